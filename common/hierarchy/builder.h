@@ -1,0 +1,54 @@
+#pragma once
+// The volume hierarchy's builder (thesis 4.2.1.2): a node's data are split into eight about the centre of the
+// data, and each child is fitted again to the data that fell into it. The result is a tree of eight tight
+// boxes per node. A builder never knows its primitives: it takes bounds, clips them, and gives ranges of
+// references to a structurer.
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "common/scene/scene.h"
+
+namespace rayfarm {
+
+/// What the builder asks about the primitives of one part.
+class PrimitiveSource {
+ public:
+  virtual ~PrimitiveSource() = default;
+  virtual size_t size() const = 0;
+  virtual Box bounds(uint32_t primitive) const = 0;
+  /// The box of the primitive's piece inside `cell`, empty if there is none. May be larger, never smaller.
+  virtual Box clipped(uint32_t primitive, const Box& cell) const = 0;
+};
+
+/// A primitive, or a clipped piece of one.
+struct PrimitiveReference {
+  uint32_t primitive = 0;
+  Box box;
+};
+
+struct BuildOptions {
+  uint32_t max_primitives = 8;  ///< a volume with at most this many is a leaf (the thesis used 4 to 30)
+  bool clips = true;            ///< straddling primitives are clipped into every octant they touch
+};
+
+/// The structurer: packs a leaf's references into records for the traverser. It may append nodes.
+using LeafMaker = std::function<ChildRef(std::span<const PrimitiveReference>)>;
+
+/// Appends the hierarchy's nodes to `nodes`, parents before children, and returns its root (empty without
+/// primitives). The depth is below kMostHierarchyLevels.
+ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
+                         const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes);
+
+/// A traverser's stack must hold this many levels, one of them made by the structurer.
+inline constexpr int kMostHierarchyLevels = 50;
+
+/// A node with eight unused slots.
+VolumeNode make_empty_node();
+/// Stores a box outward: the float box holds the double one with a margin for the rounding of hit points.
+void set_child(VolumeNode& node, size_t slot, const Box& box, ChildRef child);
+/// The union of a node's child boxes.
+Box bounds_of(const VolumeNode& node);
+Box child_box(const VolumeNode& node, size_t slot);
+
+}  // namespace rayfarm

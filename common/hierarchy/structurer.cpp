@@ -1,0 +1,91 @@
+#include "common/hierarchy/structurer.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr uint32_t kLanes = 8;
+
+uint32_t block_count(size_t primitives) {
+  return static_cast<uint32_t>((primitives + kLanes - 1) / kLanes);
+}
+
+ChildRef pack_triangles(std::span<const PrimitiveId> ids, const PartPrimitives& part, LeafArrays& arrays) {
+  const auto first = static_cast<uint32_t>(arrays.triangle_blocks.size());
+  for (size_t begin = 0; begin < ids.size(); begin += kLanes) {
+    TriangleBlock block;
+    for (auto& vertex : block.vertices)
+      for (auto& axis : vertex) axis.fill(std::numeric_limits<float>::quiet_NaN());
+    block.triangles.fill(kNone);
+    for (size_t lane = 0; lane < kLanes && begin + lane < ids.size(); ++lane) {
+      const uint32_t index = ids[begin + lane].index();
+      const TriangleVertices& vertices = part.triangles[index - part.first_triangle];
+      for (size_t v = 0; v < 3; ++v)
+        for (size_t axis = 0; axis < 3; ++axis)
+          block.vertices[v][axis][lane] = vertices[v][static_cast<int>(axis)];
+      block.triangles[lane] = index;
+    }
+    arrays.triangle_blocks.push_back(block);
+  }
+  return make_child(ChildKind::triangles, first, block_count(ids.size()));
+}
+
+ChildRef pack_spheres(std::span<const PrimitiveId> ids, std::span<const SphereRecord> spheres,
+                      LeafArrays& arrays) {
+  const auto first = static_cast<uint32_t>(arrays.sphere_blocks.size());
+  for (size_t begin = 0; begin < ids.size(); begin += kLanes) {
+    SphereBlock block{};
+    for (auto& axis : block.center) axis.fill(std::numeric_limits<double>::quiet_NaN());
+    block.radius.fill(std::numeric_limits<double>::quiet_NaN());
+    block.spheres.fill(kNone);
+    for (size_t lane = 0; lane < kLanes && begin + lane < ids.size(); ++lane) {
+      const uint32_t index = ids[begin + lane].index();
+      for (size_t axis = 0; axis < 3; ++axis)
+        block.center[axis][lane] = spheres[index].center[static_cast<int>(axis)];
+      block.radius[lane] = spheres[index].radius;
+      block.spheres[lane] = index;
+    }
+    arrays.sphere_blocks.push_back(block);
+  }
+  return make_child(ChildKind::spheres, first, block_count(ids.size()));
+}
+
+}  // namespace
+
+ChildRef pack_leaf(std::span<const PrimitiveReference> references, const PartPrimitives& part,
+                   std::span<const SphereRecord> spheres, LeafArrays& arrays) {
+  std::array<std::vector<PrimitiveId>, 3> groups;  // triangles, spheres, all others
+  std::array<Box, 3> boxes;
+  for (const PrimitiveReference& r : references) {
+    const PrimitiveId id = part.ids[r.primitive];
+    const size_t group = id.kind() == PrimitiveKind::triangle ? 0
+                         : id.kind() == PrimitiveKind::sphere ? 1
+                                                              : 2;
+    groups[group].push_back(id);
+    boxes[group].grow(r.box);
+  }
+  const auto pack = [&](size_t group) {
+    if (group == 0) return pack_triangles(groups[0], part, arrays);
+    if (group == 1) return pack_spheres(groups[1], spheres, arrays);
+    const auto first = static_cast<uint32_t>(arrays.leaf_primitives.size());
+    arrays.leaf_primitives.insert(arrays.leaf_primitives.end(), groups[2].begin(), groups[2].end());
+    return make_child(ChildKind::mixed, first, static_cast<uint32_t>(groups[2].size()));
+  };
+  size_t kinds = 0, only = 0;
+  for (size_t group = 0; group < 3; ++group)
+    if (!groups[group].empty()) {
+      ++kinds;
+      only = group;
+    }
+  if (kinds == 1) return pack(only);
+  const auto index = static_cast<uint32_t>(arrays.nodes.size());
+  arrays.nodes.push_back(make_empty_node());
+  size_t slot = 0;
+  for (size_t group = 0; group < 3; ++group)
+    if (!groups[group].empty()) {
+      const ChildRef child = pack(group);
+      set_child(arrays.nodes[index], slot++, boxes[group], child);
+    }
+  return make_child(ChildKind::inner, index);
+}
+
+}  // namespace rayfarm

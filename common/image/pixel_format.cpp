@@ -1,0 +1,65 @@
+#include "common/image/pixel_format.h"
+
+#include <Imath/half.h>
+
+#include <array>
+#include <cstring>
+
+#include "common/math/portable_math.h"
+
+namespace rayfarm {
+namespace {
+
+double linear_of(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : portable_pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+/// thresholds[i]: the smallest linear value that rounds to byte i + 1.
+const std::array<double, 255>& thresholds() {
+  static const std::array<double, 255> table = [] {
+    std::array<double, 255> t{};
+    for (size_t i = 0; i < t.size(); ++i) t[i] = linear_of((static_cast<double>(i) + 0.5) / 255);
+    return t;
+  }();
+  return table;
+}
+
+}  // namespace
+
+uint8_t encode_srgb8(double linear) {
+  if (!(linear > 0)) return 0;
+  const auto& t = thresholds();
+  return static_cast<uint8_t>(std::upper_bound(t.begin(), t.end(), linear) - t.begin());
+}
+
+double decode_srgb8(uint8_t byte) {
+  return linear_of(byte / 255.0);
+}
+
+void encode_pixel(PixelFormat format, const Color& color, std::byte* out) {
+  for (int channel = 0; channel < 3; ++channel) {
+    const double value = color[channel];
+    switch (format) {
+      case PixelFormat::rgb8:
+        *out++ = static_cast<std::byte>(encode_srgb8(value));
+        break;
+      case PixelFormat::half_float: {
+        // Beyond half's range a picture would hold infinity, which viewers and codecs handle badly.
+        const Imath::half h(static_cast<float>(std::clamp(value, -65504.0, 65504.0)));
+        const uint16_t bits = h.bits();
+        *out++ = static_cast<std::byte>(bits & 0xff);
+        *out++ = static_cast<std::byte>(bits >> 8);
+        break;
+      }
+      case PixelFormat::float32: {
+        const auto f = static_cast<float>(value);
+        uint32_t bits = 0;
+        std::memcpy(&bits, &f, sizeof bits);
+        for (int i = 0; i < 4; ++i) *out++ = static_cast<std::byte>(bits >> (8 * i) & 0xff);
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,30 @@
+#pragma once
+// Pixels as they are kept, sent and written. Conversion happens once, on the node, so that every wire and
+// every file sees the same bytes.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "common/math/vector.h"
+
+namespace rayfarm {
+
+/// rgb8: sRGB-encoded bytes (IEC 61966-2-1). half_float, float32: linear, little-endian.
+enum class PixelFormat : uint8_t { rgb8, half_float, float32 };
+
+constexpr size_t bytes_per_pixel(PixelFormat format) {
+  return format == PixelFormat::rgb8 ? 3 : format == PixelFormat::half_float ? 6 : 12;
+}
+constexpr const char* name_of(PixelFormat format) {
+  return format == PixelFormat::rgb8 ? "rgb8" : format == PixelFormat::half_float ? "half" : "float";
+}
+
+/// The sRGB byte of a linear value; below 0 and NaN give 0, above 1 gives 255. The same on every machine.
+uint8_t encode_srgb8(double linear);
+/// The linear value that an sRGB byte stands for.
+double decode_srgb8(uint8_t byte);
+
+/// Writes one colour at `out`, which has bytes_per_pixel(format) bytes.
+void encode_pixel(PixelFormat format, const Color& color, std::byte* out);
+
+}  // namespace rayfarm

@@ -1,0 +1,28 @@
+#pragma once
+// The lighting tree (thesis 2.3.4): what a ray sees, by the models of Phong (Equation 2.4) and Whitted
+// (2.12), with the depth and weight limits of Hall.
+#include "common/lighting/surface.h"
+#include "common/scene/render_settings.h"
+
+namespace rayfarm {
+
+/// Rays traced, by kind.
+struct RayCounts {
+  uint64_t primary = 0, shadow = 0, reflected = 0, transmitted = 0, diffuse = 0;
+  uint64_t total() const { return primary + shadow + reflected + transmitted + diffuse; }
+  RayCounts& operator+=(const RayCounts& other) {
+    primary += other.primary;
+    shadow += other.shadow;
+    reflected += other.reflected;
+    transmitted += other.transmitted;
+    diffuse += other.diffuse;
+    return *this;
+  }
+  bool operator==(const RayCounts&) const = default;
+};
+
+/// The colour seen along an eye ray; `counts` grows by every ray traced.
+Color trace_eye_ray(const Scene& scene, const Pose& pose, const RenderSettings& settings, const Ray& ray,
+                    RayCounts& counts);
+
+}  // namespace rayfarm

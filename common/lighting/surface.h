@@ -1,0 +1,23 @@
+#pragma once
+// The surface at a hit: position, normals, material, and how far a ray that leaves it must start from it.
+#include "common/hierarchy/traverser.h"
+
+namespace rayfarm {
+
+struct Surface {
+  Vec3 p{0};                 ///< in the world
+  Vec3 geometric_normal{0};  ///< unit, on the viewer's side
+  Vec3 shading_normal{0};    ///< unit, in the geometric normal's hemisphere
+  bool is_front = true;      ///< the ray came from outside: from where polygons run counter-clockwise
+  uint32_t material = 0;
+  double offset = 0;  ///< bounds the rounding error of p; grows with the numbers that p was computed from
+
+  /// Where a ray in `direction` starts: just off the surface, on the side to which it goes.
+  Vec3 ray_origin(const Vec3& direction) const {
+    return p + (glm::dot(geometric_normal, direction) >= 0 ? offset : -offset) * geometric_normal;
+  }
+};
+
+Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit);
+
+}  // namespace rayfarm

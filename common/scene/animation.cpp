@@ -1,0 +1,59 @@
+#include "common/scene/animation.h"
+
+#include "common/math/portable_math.h"
+
+namespace rayfarm {
+namespace {
+
+Vec4 slerp(const Vec4& a, const Vec4& b, double t) {
+  const double cosine = glm::dot(a, b);
+  if (cosine > 1 - 1e-10) return a + t * (b - a);
+  const double angle = portable_acos(cosine);
+  const double sine = portable_sin(angle);
+  if (sine < 1e-10) return t < 0.5 ? a : b;  // opposite directions: every great circle is as good
+  return (portable_sin((1 - t) * angle) / sine) * a + (portable_sin(t * angle) / sine) * b;
+}
+
+Vec4 unit(const Vec4& v) {
+  const double length = std::sqrt(glm::dot(v, v));
+  return length > 0 ? v / length : v;
+}
+
+}  // namespace
+
+Vec4 eval_curve(Interpolation interpolation, std::span<const double> frames, std::span<const Vec4> values,
+                double frame) {
+  if (frame <= frames.front()) return values.front();
+  if (frame >= frames.back()) return values.back();
+  const auto next =
+      static_cast<size_t>(std::upper_bound(frames.begin(), frames.end(), frame) - frames.begin());
+  const double t = (frame - frames[next - 1]) / (frames[next] - frames[next - 1]);
+  const Vec4 a = values[next - 1], b = values[next];
+  switch (interpolation) {
+    case Interpolation::linear:
+      return a + t * (b - a);
+    case Interpolation::spherical:
+      return unit(slerp(unit(a), unit(b), t));
+    case Interpolation::spherical_rotation:
+      return unit(slerp(a, glm::dot(a, b) < 0 ? -b : b, t));
+  }
+  return a;
+}
+
+Affine eval_transform(TransformKind kind, const Vec4& value, const Vec3& axis, const Affine& matrix) {
+  switch (kind) {
+    case TransformKind::translate:
+      return make_translation(Vec3(value));
+    case TransformKind::scale:
+      return make_scale(Vec3(value));
+    case TransformKind::rotate:
+      return make_rotation(axis, value.x);
+    case TransformKind::orient:
+      return make_rotation(value);
+    case TransformKind::matrix:
+      return matrix;
+  }
+  return matrix;
+}
+
+}  // namespace rayfarm

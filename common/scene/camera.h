@@ -1,0 +1,20 @@
+#pragma once
+// The view in one frame: the display polygon at distance one from the viewpoint (thesis 2.3.2, Equation 2.8).
+#include "common/scene/scene.h"
+
+namespace rayfarm {
+
+struct Camera {
+  Vec3 location{0};
+  Vec3 top_left{0};         ///< direction to the image's top left corner
+  Vec3 per_x{0}, per_y{0};  ///< direction change per pixel to the right and down
+
+  /// The eye ray through raster position (x, y) in pixels, of unit direction.
+  Ray ray(double x, double y) const { return {location, normalized(top_left + x * per_x + y * per_y)}; }
+};
+
+/// The camera of `frame` for an image of width × height square pixels. The field of view spans the width.
+/// Throws std::domain_error if the view has no direction, or looks along its own up direction.
+Camera make_camera(const Scene& scene, double frame, int width_px, int height_px);
+
+}  // namespace rayfarm

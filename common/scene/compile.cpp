@@ -1,0 +1,380 @@
+#include "common/scene/compile.h"
+
+#include <cmath>
+#include <map>
+
+#include "common/hierarchy/pose.h"
+#include "common/hierarchy/structurer.h"
+
+namespace rayfarm {
+namespace {
+
+/// The scene's arrays while they grow.
+struct SceneArrays {
+  std::vector<SceneHeader> header{1};
+  std::vector<VolumeNode> nodes;
+  std::vector<TriangleBlock> triangle_blocks;
+  std::vector<SphereBlock> sphere_blocks;
+  std::vector<PrimitiveId> leaf_primitives;
+  std::vector<SphereRecord> spheres;
+  std::vector<Polygon> polygons;
+  std::vector<Vec3> polygon_points, polygon_normals;
+  std::vector<Quadric> quadrics;
+  std::vector<Vec4> quadric_planes;
+  std::vector<TriangleShading> triangle_shading;
+  std::vector<glm::vec3> normals;
+  std::vector<MaterialRecord> materials;
+  std::vector<LightRecord> lights;
+  std::vector<CurveRecord> curves;
+  std::vector<double> key_frames;
+  std::vector<Vec4> key_values;
+  std::vector<TransformStepRecord> steps;
+  std::vector<ObjectNode> object_nodes;
+  std::vector<Part> parts;
+  std::vector<Instance> instances;
+  std::vector<uint32_t> leaf_instances;
+  std::vector<VolumeNode> object_part_nodes;
+  std::vector<InstancePose> poses;
+
+  Scene view() const {
+    return {header,   nodes,          triangle_blocks, sphere_blocks, leaf_primitives, spheres,
+            polygons, polygon_points, polygon_normals, quadrics,      quadric_planes,  triangle_shading,
+            normals,  materials,      lights,          curves,        key_frames,      key_values,
+            steps,    object_nodes,   parts,           instances,     leaf_instances,  object_part_nodes,
+            poses};
+  }
+};
+
+Box sphere_box(const SphereRecord& s) {
+  return {s.center - Vec3(s.radius), s.center + Vec3(s.radius)};
+}
+
+/// The primitives of one part, for the builder.
+class PartSource : public PrimitiveSource {
+ public:
+  PartSource(const SceneArrays& arrays, const PartPrimitives& part) : arrays_(arrays), part_(part) {}
+  size_t size() const override { return part_.ids.size(); }
+
+  Box bounds(uint32_t primitive) const override {
+    const PrimitiveId id = part_.ids[primitive];
+    switch (id.kind()) {
+      case PrimitiveKind::triangle: {
+        Box box;
+        for (const glm::vec3& v : triangle(id)) box.grow(Vec3(v));
+        return box;
+      }
+      case PrimitiveKind::sphere:
+        return sphere_box(arrays_.spheres[id.index()]);
+      case PrimitiveKind::polygon: {
+        Box box;
+        for (const Vec3& p : points(id)) box.grow(p);
+        return box;
+      }
+      case PrimitiveKind::quadric:
+        return arrays_.quadrics[id.index()].bounds;
+    }
+    return {};
+  }
+
+  Box clipped(uint32_t primitive, const Box& cell) const override {
+    const PrimitiveId id = part_.ids[primitive];
+    switch (id.kind()) {
+      case PrimitiveKind::triangle: {
+        const TriangleVertices& t = triangle(id);
+        return clipped_bounds(std::array<Vec3, 3>{Vec3(t[0]), Vec3(t[1]), Vec3(t[2])}, cell);
+      }
+      case PrimitiveKind::sphere: {
+        const SphereRecord& s = arrays_.spheres[id.index()];
+        const Vec3 nearest = glm::clamp(s.center, cell.lo, cell.hi) - s.center;
+        if (glm::dot(nearest, nearest) > s.radius * s.radius * (1 + 1e-12)) return {};
+        return intersection(sphere_box(s), cell);
+      }
+      case PrimitiveKind::polygon:
+        return clipped_bounds(points(id), cell);
+      case PrimitiveKind::quadric:
+        return intersection(arrays_.quadrics[id.index()].bounds, cell);
+    }
+    return {};
+  }
+
+ private:
+  const TriangleVertices& triangle(PrimitiveId id) const {
+    return part_.triangles[id.index() - part_.first_triangle];
+  }
+  std::span<const Vec3> points(PrimitiveId id) const {
+    const Polygon& p = arrays_.polygons[id.index()];
+    return std::span(arrays_.polygon_points).subspan(p.first_point, p.point_count);
+  }
+  const SceneArrays& arrays_;
+  const PartPrimitives& part_;
+};
+
+class InstanceSource : public PrimitiveSource {
+ public:
+  explicit InstanceSource(const std::vector<InstancePose>& poses) : poses_(poses) {}
+  size_t size() const override { return poses_.size(); }
+  Box bounds(uint32_t i) const override { return poses_[i].bounds; }
+  Box clipped(uint32_t i, const Box& cell) const override { return intersection(poses_[i].bounds, cell); }
+
+ private:
+  const std::vector<InstancePose>& poses_;
+};
+
+class Compiler {
+ public:
+  Compiler(const SceneDescription& description, const BuildOptions& options)
+      : description_(description), options_(options), part_of_(description.objects.size(), kNone) {}
+
+  CompiledScene compile() {
+    add_head();
+    for (uint32_t object = 0; object < description_.objects.size(); ++object)
+      if (!description_.objects[object].primitives.empty()) add_part(object);
+    expand(description_.root, kNone, {});
+    build_object_part();
+    CompiledScene result;
+    result.block = encode_scene(arrays_.view());
+    result.scene = decode_scene(result.block.bytes());
+    result.degenerate_dropped = dropped_;
+    return result;
+  }
+
+ private:
+  uint32_t add_curve(const Curve& curve) {
+    const auto first = static_cast<uint32_t>(arrays_.key_frames.size());
+    arrays_.key_frames.insert(arrays_.key_frames.end(), curve.frames.begin(), curve.frames.end());
+    arrays_.key_values.insert(arrays_.key_values.end(), curve.values.begin(), curve.values.end());
+    arrays_.curves.push_back(
+        {static_cast<uint32_t>(curve.interpolation), first, static_cast<uint32_t>(curve.frames.size())});
+    return static_cast<uint32_t>(arrays_.curves.size() - 1);
+  }
+
+  void add_head() {
+    SceneHeader& head = arrays_.header[0];
+    const ViewDescription& view = description_.view;
+    head.view.location = add_curve(view.location);
+    head.view.direction = add_curve(view.direction);
+    if (view.look_at) head.view.look_at = add_curve(*view.look_at);
+    head.view.up = add_curve(view.up);
+    head.view.field_of_view = add_curve(view.field_of_view);
+    head.view.aspect = view.aspect;
+    head.background = description_.background;
+    head.ambient = description_.ambient;
+    for (const LightDescription& l : description_.lights) arrays_.lights.push_back({l.position, l.color});
+    for (const MaterialDescription& m : description_.materials)
+      arrays_.materials.push_back(
+          {m.color, m.ambient, m.diffuse, m.specular, m.shininess, m.reflect, m.transmit, m.index});
+  }
+
+  void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading) {
+    const Vec3 a(v[0]), b(v[1]), c(v[2]);
+    if (max_magnitude(glm::cross(b - a, c - a)) == 0) {
+      ++dropped_;
+      return;
+    }
+    part.ids.push_back(
+        make_primitive_id(PrimitiveKind::triangle, static_cast<uint32_t>(arrays_.triangle_shading.size())));
+    part.triangles.push_back(v);
+    arrays_.triangle_shading.push_back(shading);
+  }
+
+  void add(PartPrimitives& part, const PrimitiveDescription& p, const SphereShape& sphere) {
+    part.ids.push_back(
+        make_primitive_id(PrimitiveKind::sphere, static_cast<uint32_t>(arrays_.spheres.size())));
+    arrays_.spheres.push_back({sphere.center, sphere.radius, p.material, 0});
+  }
+
+  void add_quadric(PartPrimitives& part, const PrimitiveDescription& p, Quadric quadric,
+                   std::span<const Vec4> planes) {
+    const std::optional<Box> bounds = quadric_bounds(quadric, planes);
+    if (!bounds)
+      throw InputError(
+          description_.source(p.place),
+          "the quadric reaches to infinity; add planes ([nx, ny, nz, d] keeps n·p <= d) that bound it");
+    if (bounds->is_empty())
+      throw InputError(description_.source(p.place),
+                       "nothing is left of the quadric: it has no real points between its planes");
+    quadric.bounds = *bounds;
+    quadric.first_plane = static_cast<uint32_t>(arrays_.quadric_planes.size());
+    quadric.plane_count = static_cast<uint32_t>(planes.size());
+    quadric.material = p.material;
+    arrays_.quadric_planes.insert(arrays_.quadric_planes.end(), planes.begin(), planes.end());
+    part.ids.push_back(
+        make_primitive_id(PrimitiveKind::quadric, static_cast<uint32_t>(arrays_.quadrics.size())));
+    arrays_.quadrics.push_back(quadric);
+  }
+
+  void add(PartPrimitives& part, const PrimitiveDescription& p, const ConeShape& cone) {
+    std::array<Vec4, 2> planes;
+    const Quadric quadric = make_cone(cone.base, cone.base_radius, cone.apex, cone.apex_radius, planes);
+    add_quadric(part, p, quadric, planes);
+  }
+
+  void add(PartPrimitives& part, const PrimitiveDescription& p, const QuadricShape& shape) {
+    const Quadric about_origin = make_quadric(shape.coefficients, Vec3(0));
+    const std::optional<Box> bounds = quadric_bounds(about_origin, shape.planes);
+    const Vec3 center = bounds && !bounds->is_empty() ? bounds->center() : Vec3(0);
+    add_quadric(part, p, make_quadric(shape.coefficients, center), shape.planes);
+  }
+
+  void add(PartPrimitives& part, const PrimitiveDescription& p, const PolygonShape& shape) {
+    const auto smoothing = static_cast<uint32_t>(shape.normals.empty() ? Smoothing::flat : shape.smoothing);
+    if (shape.points.size() == 3) {  // triangles have a faster test and less to store
+      TriangleShading shading{p.material, smoothing, {kNone, kNone, kNone}};
+      if (!shape.normals.empty() && shape.smoothing != Smoothing::flat)
+        for (size_t i = 0; i < 3; ++i) {
+          shading.normals[i] = static_cast<uint32_t>(arrays_.normals.size());
+          arrays_.normals.emplace_back(normalized(shape.normals[i]));
+        }
+      add_triangle(part, {glm::vec3(shape.points[0]), glm::vec3(shape.points[1]), glm::vec3(shape.points[2])},
+                   shading);
+      return;
+    }
+    Polygon polygon;
+    polygon.normal = normalized(newell_normal(shape.points));
+    if (max_magnitude(polygon.normal) == 0) {
+      ++dropped_;
+      return;
+    }
+    Vec3 center(0);
+    for (const Vec3& q : shape.points) center += q;
+    center /= static_cast<double>(shape.points.size());
+    polygon.distance = glm::dot(polygon.normal, center);
+    polygon.first_point = static_cast<uint32_t>(arrays_.polygon_points.size());
+    polygon.point_count = static_cast<uint32_t>(shape.points.size());
+    polygon.smoothing = smoothing;
+    polygon.material = p.material;
+    const Vec3 n = glm::abs(polygon.normal);
+    polygon.drop_axis = n.x > n.y ? (n.x > n.z ? 0 : 2) : (n.y > n.z ? 1 : 2);
+    arrays_.polygon_points.insert(arrays_.polygon_points.end(), shape.points.begin(), shape.points.end());
+    if (smoothing != static_cast<uint32_t>(Smoothing::flat)) {
+      polygon.first_normal = static_cast<uint32_t>(arrays_.polygon_normals.size());
+      for (const Vec3& normal : shape.normals) arrays_.polygon_normals.push_back(normalized(normal));
+    }
+    part.ids.push_back(
+        make_primitive_id(PrimitiveKind::polygon, static_cast<uint32_t>(arrays_.polygons.size())));
+    arrays_.polygons.push_back(polygon);
+  }
+
+  void add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh) {
+    const auto first_normal = static_cast<uint32_t>(arrays_.normals.size());
+    for (const glm::vec3& n : mesh.normals) arrays_.normals.emplace_back(normalized(Vec3(n)));
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const glm::uvec3& t = mesh.triangles[i];
+      TriangleShading shading{mesh.materials.empty() ? p.material : mesh.materials[i],
+                              static_cast<uint32_t>(Smoothing::flat),
+                              {kNone, kNone, kNone}};
+      if (mesh.smoothing != Smoothing::flat && !mesh.triangle_normals.empty() &&
+          mesh.triangle_normals[i].x != kNone) {
+        shading.smoothing = static_cast<uint32_t>(mesh.smoothing);
+        for (size_t k = 0; k < 3; ++k)
+          shading.normals[k] = first_normal + mesh.triangle_normals[i][static_cast<int>(k)];
+      }
+      add_triangle(part, {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading);
+    }
+  }
+
+  void add_part(uint32_t object) {
+    PartPrimitives primitives;
+    primitives.first_triangle = static_cast<uint32_t>(arrays_.triangle_shading.size());
+    for (const PrimitiveDescription& p : description_.objects[object].primitives)
+      std::visit([&](const auto& shape) { add(primitives, p, shape); }, p.shape);
+    if (arrays_.triangle_shading.size() > limits::kPrimitives)
+      throw InputError(description_.source(description_.objects[object].place),
+                       "the scene has too many triangles");
+    if (primitives.ids.empty()) return;
+
+    Part part;
+    part.first_triangle_block = static_cast<uint32_t>(arrays_.triangle_blocks.size());
+    part.first_sphere_block = static_cast<uint32_t>(arrays_.sphere_blocks.size());
+    part.first_leaf_primitive = static_cast<uint32_t>(arrays_.leaf_primitives.size());
+    const PartSource source(arrays_, primitives);
+    LeafArrays leaves{arrays_.nodes, arrays_.triangle_blocks, arrays_.sphere_blocks, arrays_.leaf_primitives};
+    part.root = build_hierarchy(
+        source, options_,
+        [&](std::span<const PrimitiveReference> r) {
+          return pack_leaf(r, primitives, arrays_.spheres, leaves);
+        },
+        arrays_.nodes);
+    part.triangle_block_count =
+        static_cast<uint32_t>(arrays_.triangle_blocks.size()) - part.first_triangle_block;
+    part.sphere_block_count = static_cast<uint32_t>(arrays_.sphere_blocks.size()) - part.first_sphere_block;
+    part.leaf_primitive_count =
+        static_cast<uint32_t>(arrays_.leaf_primitives.size()) - part.first_leaf_primitive;
+    for (uint32_t i = 0; i < primitives.ids.size(); ++i) {
+      part.bounds.grow(source.bounds(i));
+      switch (primitives.ids[i].kind()) {
+        case PrimitiveKind::triangle:
+          ++part.triangle_count;
+          break;
+        case PrimitiveKind::sphere:
+          ++part.sphere_count;
+          break;
+        case PrimitiveKind::polygon:
+          ++part.polygon_count;
+          break;
+        case PrimitiveKind::quadric:
+          ++part.quadric_count;
+          break;
+      }
+    }
+    part_of_[object] = static_cast<uint32_t>(arrays_.parts.size());
+    arrays_.parts.push_back(part);
+  }
+
+  void expand(uint32_t object, uint32_t parent, std::span<const TransformStep> transform) {
+    ObjectNode node;
+    node.parent = parent;
+    node.first_step = static_cast<uint32_t>(arrays_.steps.size());
+    node.step_count = static_cast<uint32_t>(transform.size());
+    for (const TransformStep& step : transform) {
+      arrays_.steps.push_back(
+          {static_cast<uint32_t>(step.kind), curve_of(step.curve), step.axis, step.matrix});
+      if (step.curve.is_animated()) arrays_.header[0].is_animated = 1;
+    }
+    const auto index = static_cast<uint32_t>(arrays_.object_nodes.size());
+    arrays_.object_nodes.push_back(node);
+    if (part_of_[object] != kNone) arrays_.instances.push_back({index, part_of_[object]});
+    for (const ChildDescription& child : description_.objects[object].children)
+      expand(child.object, index, child.transform);
+  }
+
+  /// Shared objects repeat their curves in every copy; each is stored once.
+  uint32_t curve_of(const Curve& curve) {
+    const auto found = curve_ids_.find(&curve);
+    if (found != curve_ids_.end()) return found->second;
+    return curve_ids_[&curve] = add_curve(curve);
+  }
+
+  void build_object_part() {
+    const Scene scene = arrays_.view();
+    const double frame = description_.frames ? (*description_.frames)[0] : 0;
+    try {
+      arrays_.poses = pose_instances(scene, frame);
+    } catch (const std::domain_error& e) {
+      throw InputError({description_.files.at(0)}, fmt::format("at frame {}: {}", frame, e.what()));
+    }
+    const LeafMaker make_leaf = [&](std::span<const PrimitiveReference> references) {
+      const auto first = static_cast<uint32_t>(arrays_.leaf_instances.size());
+      for (const PrimitiveReference& r : references) arrays_.leaf_instances.push_back(r.primitive);
+      return make_child(ChildKind::instances, first, static_cast<uint32_t>(references.size()));
+    };
+    arrays_.header[0].object_root =
+        build_hierarchy(InstanceSource(arrays_.poses), {.max_primitives = 1, .clips = false}, make_leaf,
+                        arrays_.object_part_nodes);
+  }
+
+  const SceneDescription& description_;
+  BuildOptions options_;
+  SceneArrays arrays_;
+  std::vector<uint32_t> part_of_;
+  std::map<const Curve*, uint32_t> curve_ids_;
+  size_t dropped_ = 0;
+};
+
+}  // namespace
+
+CompiledScene compile(const SceneDescription& description, const BuildOptions& options) {
+  return Compiler(description, options).compile();
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,47 @@
+#pragma once
+// What the user asks of a render, beside the scene: today's "rendering code", which load code carries to
+// every node.
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "common/image/pixel_format.h"
+
+namespace rayfarm {
+
+enum class LightingModel : uint8_t { phong, whitted };
+enum class SamplingPattern : uint8_t { regular, jittered, corners };
+
+/// A half-open rectangle of pixels, origin top left.
+struct PixelRect {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+  int64_t area() const { return int64_t{width()} * height(); }
+  bool operator==(const PixelRect&) const = default;
+  template <typename Archive>
+  void serialize(Archive& archive) {
+    archive(x0, y0, x1, y1);
+  }
+};
+
+/// Everything that a pixel's value depends on beside scene, frame and position.
+struct RenderSettings {
+  int width_px = 512, height_px = 512;
+  PixelRect crop{0, 0, 512, 512};  ///< what is rendered of the image
+  LightingModel lighting = LightingModel::whitted;
+  SamplingPattern sampling = SamplingPattern::regular;
+  uint32_t samples = 1;      ///< per pixel
+  uint32_t max_depth = 5;    ///< of the lighting tree; the eye ray is depth 1
+  double min_weight = 1e-6;  ///< rays that would contribute less are not traced; 0: no cut-off
+  uint64_t seed = 0;
+  PixelFormat pixel_format = PixelFormat::half_float;
+
+  template <typename Archive>
+  void serialize(Archive& archive) {
+    archive(width_px, height_px, crop, lighting, sampling, samples, max_depth, min_weight, seed,
+            pixel_format);
+  }
+};
+
+}  // namespace rayfarm

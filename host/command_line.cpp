@@ -1,0 +1,213 @@
+#include "host/command_line.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <filesystem>
+#include <sstream>
+
+#include "host/exit_code.h"
+#include "host/output_pattern.h"
+
+namespace rayfarm {
+namespace {
+
+template <size_t N>
+std::array<int, N> parse_numbers(const std::string& text, char separator, const std::string& form) {
+  std::array<int, N> numbers{};
+  size_t begin = 0;
+  for (size_t i = 0; i < N; ++i) {
+    const size_t end = i + 1 == N ? text.size() : text.find(separator, begin);
+    if (end == std::string::npos)
+      throw CLI::ValidationError(fmt::format("'{}' is not of the form {}", text, form));
+    const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, numbers[i]);
+    if (error != std::errc{} || stop != text.data() + end || begin == end)
+      throw CLI::ValidationError(fmt::format("'{}' is not of the form {}", text, form));
+    begin = end + 1;
+  }
+  return numbers;
+}
+
+template <typename Enum>
+CLI::Option* add_choice(CLI::App* app, const std::string& name, Enum& target,
+                        const std::map<std::string, Enum>& choices, const std::string& help) {
+  std::string list;
+  for (const auto& [word, value] : choices) list += (list.empty() ? "" : "|") + word;
+  return app
+      ->add_option_function<std::string>(
+          name,
+          [&target, choices, name, list](const std::string& word) {
+            const auto found = choices.find(word);
+            if (found == choices.end())
+              throw CLI::ValidationError(fmt::format("{}: '{}' is unknown; choose {}", name, word, list));
+            target = found->second;
+          },
+          help)
+      ->type_name(list);
+}
+
+void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pixel_format) {
+  RenderOptions& o = line.render;
+  CLI::App* render = app.add_subcommand("render", "render a scene to image files");
+  render->add_option("SCENE", o.scene, ".yaml or .nff")->required();
+  render->add_option("-o,--output", o.output, "FILE.exr or FILE.png; #### becomes the frame number")
+      ->required();
+  render->add_option(
+      "--frames", o.frames,
+      "1-10, 1-10x2 or 1,5,9 (default: the scene's frames if the name has ####, else the first)");
+  render
+      ->add_option_function<std::string>(
+          "--size",
+          [&o](const std::string& text) {
+            const auto size = parse_numbers<2>(text, 'x', "WIDTHxHEIGHT");
+            if (size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536)
+              throw CLI::ValidationError(
+                  fmt::format("--size {}: an image has 1 to 65536 pixels a side, because the net carries "
+                              "coordinates of 16 bits",
+                              text));
+            o.size_px = size;
+          },
+          "image size in pixels (default: the scene's)")
+      ->type_name("WxH");
+  render
+      ->add_option_function<std::string>(
+          "--crop", [&o](const std::string& text) { o.crop = parse_numbers<4>(text, ',', "x0,x1,y0,y1"); },
+          "render only these pixels; x1 and y1 are excluded")
+      ->type_name("x0,x1,y0,y1");
+  add_choice<LightingModel>(render, "--lighting", o.settings.lighting,
+                            {{"phong", LightingModel::phong}, {"whitted", LightingModel::whitted}},
+                            "lighting model (default: whitted)");
+  render->add_option("--samples,--spp", o.settings.samples, "rays per pixel (default: 1)")
+      ->check(CLI::Range(1u, 1u << 20));
+  add_choice<SamplingPattern>(render, "--sampling", o.settings.sampling,
+                              {{"regular", SamplingPattern::regular},
+                               {"jittered", SamplingPattern::jittered},
+                               {"corners", SamplingPattern::corners}},
+                              "where rays pass through a pixel (default: regular)");
+  render
+      ->add_option("--max-depth", o.settings.max_depth,
+                   "depth of the lighting tree; the eye ray is 1 (default: 5)")
+      ->check(CLI::Range(1u, 1000u));
+  render
+      ->add_option("--min-weight", o.settings.min_weight,
+                   "do not trace rays that would contribute less (0: no cut-off; default: 1e-6)")
+      ->check(CLI::Range(0.0, 1.0));
+  render->add_option("--seed", o.settings.seed, "of the random numbers (default: 0)");
+  render
+      ->add_option_function<std::string>(
+          "--pixel-format",
+          [&pixel_format](const std::string& word) {
+            if (word == "rgb8")
+              pixel_format = PixelFormat::rgb8;
+            else if (word == "half")
+              pixel_format = PixelFormat::half_float;
+            else if (word == "float")
+              pixel_format = PixelFormat::float32;
+            else
+              throw CLI::ValidationError(
+                  fmt::format("--pixel-format: '{}' is unknown; choose rgb8|half|float", word));
+          },
+          "of pixels on the net and in the frame buffer (default: what the file holds: PNG rgb8, EXR half)")
+      ->type_name("rgb8|half|float");
+  add_choice<AssignmentPolicy>(
+      render, "--assign", o.policy,
+      {{"on-demand", AssignmentPolicy::on_demand}, {"interleaved", AssignmentPolicy::interleaved}},
+      "who traces what (default: on-demand)");
+  add_choice<Wire>(
+      render, "--wire", o.wire, {{"block", Wire::block}, {"pixel", Wire::pixel}},
+      "form of results: a block per subpolygon, or the thesis's 9 bytes per pixel (default: block)");
+  add_choice<bool>(render, "--compression", o.compresses, {{"zstd", true}, {"none", false}},
+                   "of RGB8 blocks (default: zstd)");
+  render
+      ->add_option("--local-nodes", o.local_nodes,
+                   "without mpirun: how many nodes run inside this process (default: one per core)")
+      ->check(CLI::Range(1, 256));
+  render
+      ->add_option("--node-timeout", o.node_timeout_s,
+                   "seconds of silence after which a node is lost (default: 8)")
+      ->check(CLI::Range(2.0, 3600.0));
+  render->add_flag("--skip-existing", o.skip_existing, "do not render frames whose file is already there");
+  render->add_option("--stats", o.stats, "write statistics to this JSON file");
+  add_choice<ProgressStyle>(render, "--progress", o.progress,
+                            {{"auto", ProgressStyle::automatic},
+                             {"tty", ProgressStyle::tty},
+                             {"plain", ProgressStyle::plain},
+                             {"none", ProgressStyle::none}},
+                            "progress display (default: auto)");
+  render->add_flag("-q,--quiet", o.is_quiet, "errors only");
+  render->add_flag("-v,--verbose", o.is_verbose, "tell more");
+  render->callback([&line] { line.kind = CommandKind::render; });
+}
+
+/// What CLI11 can't check by itself.
+void check_render(const RenderOptions& o) {
+  if (!is_writable_image(o.output))
+    throw CLI::ValidationError(fmt::format("-o {}: the name must end in .exr or .png", o.output));
+  const std::filesystem::path folder = std::filesystem::path(o.output).parent_path();
+  if (has_frame_pattern(folder.string()))
+    throw CLI::ValidationError(
+        fmt::format("-o {}: the #### must stand in the file's name, not in its folder's", o.output));
+  std::error_code ignored;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
+    throw CLI::ValidationError(
+        fmt::format("-o {}: there is no folder '{}'; make it first", o.output, folder.string()));
+  if (!o.frames.empty()) {
+    std::vector<int> frames;
+    try {
+      frames = parse_frames(o.frames);
+    } catch (const std::invalid_argument& e) {
+      throw CLI::ValidationError(fmt::format("--frames: {}", e.what()));
+    }
+    if (frames.size() > 1 && !has_frame_pattern(o.output))
+      throw CLI::ValidationError(fmt::format("-o {}: several frames need #### in the file's name", o.output));
+  }
+  if (o.settings.sampling == SamplingPattern::corners && o.settings.samples != 1)
+    throw CLI::ValidationError("--sampling corners takes one ray per corner; leave --samples at 1");
+  if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)
+    throw CLI::ValidationError(
+        "--wire pixel carries three bytes of colour; use --pixel-format rgb8 or --wire block");
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, char** argv) {
+  CommandLine line;
+  CLI::App app{"Rayfarm: a ray tracing render farm on Open MPI", "rayfarm"};
+  app.set_version_flag("--version", "rayfarm " RAYFARM_VERSION);
+  app.require_subcommand(1);
+  std::optional<PixelFormat> pixel_format;
+  add_render(app, line, pixel_format);
+  CLI::App* check = app.add_subcommand("check", "validate a scene and list every file it uses");
+  check->add_option("SCENE", line.scene, ".yaml or .nff")->required();
+  check->callback([&line] { line.kind = CommandKind::check; });
+  CLI::App* info = app.add_subcommand("info", "print a scene's counts, bounds, object tree and memory");
+  info->add_option("SCENE", line.scene, ".yaml or .nff")->required();
+  info->callback([&line] { line.kind = CommandKind::info; });
+  CLI::App* compare = app.add_subcommand("compare", "compare two images; exit code 1 if they differ");
+  compare->add_option("A", line.compare.a)->required();
+  compare->add_option("B", line.compare.b)->required();
+  compare
+      ->add_option("--tolerance", line.compare.tolerance,
+                   "largest difference of a channel that counts as equal (default: 0)")
+      ->check(CLI::Range(0.0, 1e6));
+  compare->add_option("--share", line.compare.share, "share of pixels that may differ by more (default: 0)")
+      ->check(CLI::Range(0.0, 1.0));
+  compare->callback([&line] { line.kind = CommandKind::compare; });
+  try {
+    app.parse(argc, argv);
+    line.render.pixel_format = pixel_format;
+    if (line.kind == CommandKind::render) check_render(line.render);
+  } catch (const CLI::ParseError& e) {
+    std::ostringstream out, err;
+    const int code = app.exit(e, out, err);
+    line.kind = CommandKind::none;
+    line.exit_code = code == 0 ? kComplete : kUsageError;
+    line.message =
+        code == 0 ? out.str()
+                  : fmt::format("rayfarm: {}\nTry 'rayfarm --help' or 'rayfarm COMMAND --help'.\n", e.what());
+  }
+  return line;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,50 @@
+#pragma once
+// The command line: long GNU options in any order.
+#include <optional>
+#include <string>
+
+#include "common/image/image_file.h"
+#include "host/progress.h"
+#include "protocol/job_plan.h"
+
+namespace rayfarm {
+
+struct RenderOptions {
+  std::string scene;
+  std::string output;
+  std::string frames;  ///< empty: the scene's, or frame 0
+  std::optional<std::array<int, 2>> size_px;
+  std::optional<std::array<int, 4>> crop;   ///< x0, x1, y0, y1, half-open
+  RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
+  std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds
+  AssignmentPolicy policy = AssignmentPolicy::on_demand;
+  Wire wire = Wire::block;
+  bool compresses = true;
+  int local_nodes = 0;  ///< 0: one per core
+  double node_timeout_s = 8;
+  bool skip_existing = false;
+  std::string stats;
+  ProgressStyle progress = ProgressStyle::automatic;
+  bool is_quiet = false, is_verbose = false;
+};
+
+struct CompareOptions {
+  std::string a, b;
+  double tolerance = 0;  ///< largest difference of a channel that counts as equal
+  double share = 0;      ///< of pixels that may differ by more, 0 to 1
+};
+
+enum class CommandKind { render, check, info, compare, none };
+
+struct CommandLine {
+  CommandKind kind = CommandKind::none;
+  RenderOptions render;
+  std::string scene;  ///< of check and info
+  CompareOptions compare;
+  int exit_code = 0;    ///< for kind none: help and version give 0, errors 2
+  std::string message;  ///< for kind none: what to print
+};
+
+CommandLine parse_command_line(int argc, char** argv);
+
+}  // namespace rayfarm

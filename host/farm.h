@@ -1,0 +1,27 @@
+#pragma once
+// What the host needs of the net it works on: MPI's or this process's own.
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "protocol/transport.h"
+
+namespace rayfarm {
+
+struct Farm {
+  Transport& transport;
+  int ranks = 1;
+  /// Gives every node the scene's block; the bytes may go when it returns unless the farm is local.
+  std::function<void(std::span<const std::byte> block, const std::function<void(const std::string&)>& warn)>
+      load_data;
+};
+
+/// How a command ended: the process's exit code, and whether hung nodes are left that the runtime would wait
+/// for.
+struct Ending {
+  int exit_code = 0;
+  bool must_end_hung = false;
+};
+
+}  // namespace rayfarm

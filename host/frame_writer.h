@@ -1,0 +1,49 @@
+#pragma once
+// Writes frames in a thread of its own, so that the host never keeps its nodes waiting for a disk.
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "common/image/image_file.h"
+
+namespace rayfarm {
+
+class FrameWriter {
+ public:
+  struct Job {
+    int frame_index = 0;
+    std::string path;
+    Image image;
+    std::map<std::string, std::string> attributes;
+  };
+  struct Written {
+    int frame_index = 0;
+    std::string problem;  ///< empty: the file is in place
+    std::string sha256;   ///< of the pixels' bytes
+    double seconds = 0;
+  };
+
+  FrameWriter();
+  /// Waits for the frame being written; those still queued are dropped.
+  ~FrameWriter();
+  FrameWriter(const FrameWriter&) = delete;
+  FrameWriter& operator=(const FrameWriter&) = delete;
+
+  void submit(Job job);
+  std::optional<Written> try_take();
+
+ private:
+  void run();
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Job> queue_;
+  std::deque<Written> written_;
+  bool is_ending_ = false;
+  std::thread thread_;
+};
+
+}  // namespace rayfarm

@@ -1,0 +1,63 @@
+#pragma once
+// What a job did: filled while it runs, read by the report and the statistics file.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rayfarm {
+
+/// primary, shadow, reflected, transmitted, diffuse
+using RaysByKind = std::array<uint64_t, 5>;
+inline constexpr std::array<const char*, 5> kRayKinds{"primary", "shadow", "reflected", "transmitted",
+                                                      "diffuse"};
+inline uint64_t total(const RaysByKind& rays) {
+  uint64_t sum = 0;
+  for (const uint64_t r : rays) sum += r;
+  return sum;
+}
+
+struct NodeResult {
+  int id = 0;  ///< from 1: the rank
+  std::string machine;
+  uint32_t pid = 0;
+  uint64_t subpolygons = 0;  ///< returned, duplicates too
+  uint64_t rays = 0;
+  double busy_s = 0;
+  bool is_lost = false;
+};
+
+struct FrameResult {
+  int frame = 0;
+  std::string file;
+  std::string sha256;
+  std::string problem;  ///< empty: written
+  bool is_written = false;
+  RaysByKind rays{};
+  std::vector<int> traced_by;  ///< the node of each subpolygon
+};
+
+struct PhaseTimes {
+  double load_s = 0, build_s = 0, broadcast_s = 0, trace_s = 0, write_s = 0, total_s = 0;
+};
+
+struct JobResult {
+  std::vector<NodeResult> nodes;
+  std::vector<FrameResult> frames;
+  std::vector<int> lost_nodes;   ///< every node that was lost at the end
+  uint64_t pixels_received = 0;  ///< in results, duplicates too
+  uint64_t pixels_kept = 0;
+  uint64_t duplicates = 0;  ///< results dropped
+  RaysByKind rays{};
+  PhaseTimes times;
+  bool was_interrupted = false;
+  bool lost_all_nodes = false;
+
+  size_t frames_failed() const {
+    size_t n = 0;
+    for (const FrameResult& f : frames) n += f.problem.empty() ? 0u : 1u;
+    return n;
+  }
+};
+
+}  // namespace rayfarm

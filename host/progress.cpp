@@ -1,0 +1,66 @@
+#include "host/progress.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace rayfarm {
+namespace {
+
+constexpr double kTtyInterval_s = 0.2;
+constexpr double kPlainInterval_s = 5;
+constexpr int kBarWidth = 24;
+
+}  // namespace
+
+std::string format_duration(double seconds) {
+  const auto s = static_cast<long long>(std::llround(seconds));
+  return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                   : fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+std::string format_count(double count) {
+  if (count >= 1e9) return fmt::format("{:.2f} G", count / 1e9);
+  if (count >= 1e6) return fmt::format("{:.2f} M", count / 1e6);
+  if (count >= 1e3) return fmt::format("{:.1f} k", count / 1e3);
+  return fmt::format("{:.0f} ", count);
+}
+
+Progress::Progress(ProgressStyle style, uint64_t pixels_total) : style_(style), pixels_total_(pixels_total) {
+  if (style_ == ProgressStyle::automatic)
+    style_ = isatty(STDERR_FILENO) ? ProgressStyle::tty : ProgressStyle::plain;
+}
+
+void Progress::show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
+                    bool at_end) {
+  if (style_ == ProgressStyle::none) return;
+  const double interval = style_ == ProgressStyle::tty ? kTtyInterval_s : kPlainInterval_s;
+  if (!at_end && (shown_s_ < 0 ? now_s < interval : now_s - shown_s_ < interval)) return;
+  shown_s_ = now_s;
+  const double done =
+      pixels_total_ ? static_cast<double>(pixels_done) / static_cast<double>(pixels_total_) : 1;
+  const std::string eta = done > 0 ? format_duration(now_s * (1 - done) / done) : "?";
+  const std::string text = fmt::format(
+      "{:5.1f} %  {}  ETA {}  {}rays/s  {:.2f} bytes/pixel  {} node{}", 100 * done, format_duration(now_s),
+      eta, format_count(now_s > 0 ? static_cast<double>(rays) / now_s : 0),
+      pixels_done ? static_cast<double>(result_bytes) / static_cast<double>(pixels_done) : 0.0, nodes,
+      nodes == 1 ? "" : "s");
+  if (style_ == ProgressStyle::plain) {
+    fmt::print(stderr, "{}\n", text);
+  } else {
+    const auto filled = static_cast<size_t>(done * kBarWidth);
+    fmt::print(stderr, "\r\033[K[{}{}] {}", std::string(filled, '#'), std::string(kBarWidth - filled, '.'),
+               text);
+    line_is_open_ = true;
+  }
+  std::fflush(stderr);
+}
+
+void Progress::clear() {
+  if (line_is_open_) fmt::print(stderr, "\n");
+  line_is_open_ = false;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,30 @@
+#pragma once
+// Tells people how far the job is: one line that is rewritten on a terminal, a line every few seconds
+// elsewhere.
+#include <cstdint>
+#include <string>
+
+namespace rayfarm {
+
+enum class ProgressStyle { automatic, tty, plain, none };
+
+class Progress {
+ public:
+  Progress(ProgressStyle style, uint64_t pixels_total);
+  /// Shows the state if it is time to; `now_s` is the time since tracing began.
+  void show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
+            bool at_end = false);
+  /// Ends the rewritten line, so that other text may follow.
+  void clear();
+
+ private:
+  ProgressStyle style_;
+  uint64_t pixels_total_;
+  double shown_s_ = -1;
+  bool line_is_open_ = false;
+};
+
+std::string format_duration(double seconds);
+std::string format_count(double count);
+
+}  // namespace rayfarm

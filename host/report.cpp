@@ -1,0 +1,145 @@
+#include "host/report.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "common/scene/input_error.h"
+#include "host/progress.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr std::array kCommandList{Command::load_code, Command::load_data, Command::load_display_polygon,
+                                  Command::return_result};
+
+double bytes_per_received_pixel(const JobResult& result, const TrafficMeter& meter) {
+  return result.pixels_received == 0 ? 0
+                                     : static_cast<double>(meter.total(Command::return_result).bytes) /
+                                           static_cast<double>(result.pixels_received);
+}
+
+double idle_s(const JobResult& result, const NodeResult& node) {
+  return std::max(0.0, result.times.trace_s - node.busy_s);
+}
+
+}  // namespace
+
+std::string format_report(const JobResult& result, const TrafficMeter& meter, const JobPlan& plan) {
+  std::string text;
+  auto out = std::back_inserter(text);
+  const uint64_t rays = total(result.rays);
+  fmt::format_to(out, "\ntraffic                  messages          bytes\n");
+  for (const Command command : kCommandList) {
+    const Traffic t = meter.total(command);
+    fmt::format_to(out, "  {:<21} {:>9} {:>14}\n", name_of(command), t.messages, t.bytes);
+  }
+  const Traffic control = meter.total_control();
+  fmt::format_to(out, "  {:<21} {:>9} {:>14}\n", "control", control.messages, control.bytes);
+  const double bytes = bytes_per_received_pixel(result, meter);
+  fmt::format_to(out, "  results: {:.3f} bytes per pixel; the thesis's model: {:.0f}, {:.1f} times as many\n",
+                 bytes, kModelBytesPerPixel, bytes > 0 ? kModelBytesPerPixel / bytes : 0.0);
+  const PhaseTimes& t = result.times;
+  fmt::format_to(out,
+                 "time   load {:.2f} s, build {:.2f} s, broadcast {:.2f} s, trace {:.2f} s, write {:.2f} s, "
+                 "total {:.2f} s\n",
+                 t.load_s, t.build_s, t.broadcast_s, t.trace_s, t.write_s, t.total_s);
+  fmt::format_to(out, "rays   {}in all, {}per second", format_count(static_cast<double>(rays)),
+                 format_count(t.trace_s > 0 ? static_cast<double>(rays) / t.trace_s : 0));
+  for (size_t i = 0; i < kRayKinds.size(); ++i)
+    if (result.rays[i] > 0) fmt::format_to(out, "; {} {}", kRayKinds[i], result.rays[i]);
+  fmt::format_to(out, "\nnode   subpolygons          rays     busy     idle  machine\n");
+  for (const NodeResult& n : result.nodes)
+    fmt::format_to(out, "{:>4}   {:>11}  {:>12}  {:>6.2f} s  {:>6.2f} s  {}{}\n", n.id, n.subpolygons, n.rays,
+                   n.busy_s, idle_s(result, n), n.machine, n.is_lost ? "  LOST" : "");
+  if (result.duplicates > 0)
+    fmt::format_to(out, "{} results came twice and were dropped\n", result.duplicates);
+  if (plan.frames.size() > 1) {
+    constexpr size_t kMostRows = 24, kMostColumns = 48;
+    fmt::format_to(out, "who traced what: the node of each frame's first subpolygons\n");
+    for (size_t f = 0; f < result.frames.size() && f < kMostRows; ++f) {
+      fmt::format_to(out, "  frame {:>5}:", result.frames[f].frame);
+      for (size_t s = 0; s < result.frames[f].traced_by.size() && s < kMostColumns; ++s)
+        fmt::format_to(out, " {}", result.frames[f].traced_by[s]);
+      fmt::format_to(out, "\n");
+    }
+    if (result.frames.size() > kMostRows) fmt::format_to(out, "  … (all in --stats)\n");
+  }
+  return text;
+}
+
+void write_statistics(const std::string& path, const JobResult& result, const TrafficMeter& meter,
+                      const JobPlan& plan, const RenderSettings& settings, int ranks) {
+  using nlohmann::json;
+  const auto rays_json = [](const RaysByKind& rays) {
+    json j;
+    for (size_t i = 0; i < rays.size(); ++i) j[kRayKinds[i]] = rays[i];
+    return j;
+  };
+  json j;
+  std::string last_sha256;
+  j["frames"] = json::array();
+  for (const FrameResult& f : result.frames) {
+    j["frames"].push_back({{"frame", f.frame},
+                           {"file", f.file},
+                           {"written", f.is_written},
+                           {"problem", f.problem},
+                           {"sha256_pixels", f.sha256},
+                           {"rays", rays_json(f.rays)},
+                           {"traced_by", f.traced_by}});
+    if (f.is_written) last_sha256 = f.sha256;
+  }
+  j["image"] = {{"width", settings.crop.width()},
+                {"height", settings.crop.height()},
+                {"sha256_pixels", last_sha256},
+                {"pixel_format", name_of(settings.pixel_format)}};
+  j["ranks"] = ranks;
+  j["nodes_lost"] = result.lost_nodes;
+  j["rays"] = rays_json(result.rays);
+  for (const Command command : kCommandList) {
+    const Traffic t = meter.total(command);
+    j["traffic"][name_of(command)] = {{"messages", t.messages}, {"bytes", t.bytes}};
+  }
+  const Traffic control = meter.total_control();
+  j["traffic"]["control"] = {{"messages", control.messages}, {"bytes", control.bytes}};
+  j["traffic"]["bytes_per_pixel"] = bytes_per_received_pixel(result, meter);
+  j["traffic"]["model_bytes_per_pixel"] = kModelBytesPerPixel;
+  j["traffic"]["duplicate_results"] = result.duplicates;
+  const PhaseTimes& t = result.times;
+  j["time_s"] = {{"load", t.load_s},   {"build", t.build_s}, {"broadcast", t.broadcast_s},
+                 {"trace", t.trace_s}, {"write", t.write_s}, {"total", t.total_s}};
+  j["nodes"] = json::array();
+  for (const NodeResult& n : result.nodes)
+    j["nodes"].push_back({{"id", n.id},
+                          {"machine", n.machine},
+                          {"pid", n.pid},
+                          {"lost", n.is_lost},
+                          {"subpolygons", n.subpolygons},
+                          {"rays", n.rays},
+                          {"busy_s", n.busy_s},
+                          {"idle_s", idle_s(result, n)},
+                          {"bytes_received", meter.of_node(n.id, Direction::to_node).bytes},
+                          {"bytes_sent", meter.of_node(n.id, Direction::to_host).bytes}});
+  j["assign"] = plan.policy == AssignmentPolicy::on_demand ? "on-demand" : "interleaved";
+  j["wire"] = plan.wire == Wire::block ? "block" : "pixel";
+  j["subpolygons"] = {{"columns", plan.grid.columns}, {"rows", plan.grid.rows}};
+
+  const std::string temporary = path + ".part";
+  {
+    std::ofstream file(temporary);
+    file << j.dump(1) << "\n";
+    file.close();
+    if (!file) {
+      std::error_code ignored;
+      std::filesystem::remove(temporary, ignored);
+      throw IoError(
+          fmt::format("{}: the statistics can't be written; check the folder and the space left", path));
+    }
+  }
+  std::filesystem::rename(temporary, path);
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,119 @@
+#include "host/scene_commands.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "common/scene/camera.h"
+#include "common/scene/compile.h"
+#include "host/exit_code.h"
+
+namespace rayfarm {
+namespace {
+
+/// What a render of the first frame would refuse: compile, and look through the camera.
+CompiledScene compile_and_look(const SceneDescription& scene) {
+  CompiledScene compiled = compile(scene);
+  const int frame = scene.frames ? (*scene.frames)[0] : 0;
+  try {
+    make_camera(compiled.scene, frame, 4, 3);
+  } catch (const std::domain_error& e) {
+    throw InputError({scene.files.at(0)}, fmt::format("at frame {}: {}", frame, e.what()));
+  }
+  return compiled;
+}
+
+void print_tree(const SceneDescription& scene, uint32_t object, size_t depth, size_t& lines_left) {
+  if (lines_left == 0) return;
+  if (--lines_left == 0) {
+    fmt::print("  …\n");
+    return;
+  }
+  const ObjectDescription& o = scene.objects[object];
+  fmt::print("  {:{}}{}{}{}\n", "", 2 * depth, o.name,
+             o.primitives.empty()
+                 ? ""
+                 : fmt::format(": {} primitive{}", o.primitives.size(), o.primitives.size() == 1 ? "" : "s"),
+             o.children.empty()
+                 ? ""
+                 : fmt::format(" ({} child{})", o.children.size(), o.children.size() == 1 ? "" : "ren"));
+  for (const ChildDescription& child : o.children) print_tree(scene, child.object, depth + 1, lines_left);
+}
+
+std::string megabytes(size_t bytes) {
+  return fmt::format("{:.2f} MiB", static_cast<double>(bytes) / (1 << 20));
+}
+
+}  // namespace
+
+int run_check(const std::string& path) {
+  const SceneDescription scene = load_scene(path);
+  const CompiledScene compiled = compile_and_look(scene);
+  for (const std::string& file : scene.files) fmt::print("{}\n", file);
+  if (compiled.degenerate_dropped > 0)
+    fmt::print(stderr, "rayfarm: {}: note: {} polygons without area are left out\n", path,
+               compiled.degenerate_dropped);
+  fmt::print(stderr, "{}: no problems found\n", path);
+  return kComplete;
+}
+
+int run_info(const std::string& path) {
+  const SceneDescription scene = load_scene(path);
+  const CompiledScene compiled = compile_and_look(scene);
+  const Scene& s = compiled.scene;
+  fmt::print("files\n");
+  for (const std::string& file : scene.files) fmt::print("  {}\n", file);
+  fmt::print("counts\n  triangles {}, spheres {}, polygons {}, quadrics {} (stored once each)\n",
+             s.triangle_shading.size(), s.spheres.size(), s.polygons.size(), s.quadrics.size());
+  fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
+             s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
+  if (scene.frames)
+    fmt::print("  frames {} to {}{}\n", (*scene.frames)[0], (*scene.frames)[1],
+               s.head().is_animated ? ", objects move" : "");
+  Box box;
+  for (const InstancePose& pose : s.poses) box.grow(pose.bounds);
+  if (!box.is_empty())
+    fmt::print("bounds\n  x {:g} to {:g}, y {:g} to {:g}, z {:g} to {:g}\n", box.lo.x, box.hi.x, box.lo.y,
+               box.hi.y, box.lo.z, box.hi.z);
+  fmt::print("object tree\n");
+  size_t lines = 60;
+  print_tree(scene, scene.root, 0, lines);
+  fmt::print("memory (the block that load data carries)\n");
+  for_each_array(s, [&]<typename T>(const char* name, std::span<const T> array) {
+    if (array.size_bytes() >= 1024)
+      fmt::print("  {:<18} {:>10} × {:>3} bytes  {:>12}\n", name, array.size(), sizeof(T),
+                 megabytes(array.size_bytes()));
+  });
+  fmt::print("  {:<18} {:>30}\n", "in all", megabytes(compiled.block.size));
+  return kComplete;
+}
+
+int run_compare(const CompareOptions& options) {
+  const ReadImage a = read_image(options.a), b = read_image(options.b);
+  if (a.width_px != b.width_px || a.height_px != b.height_px) {
+    fmt::print("the sizes differ: {}×{} and {}×{}\n", a.width_px, a.height_px, b.width_px, b.height_px);
+    return kRenderFailure;
+  }
+  size_t differing = 0;
+  double largest = 0, squares = 0;
+  const size_t pixels = a.pixels.size() / 3;
+  for (size_t i = 0; i < pixels; ++i) {
+    bool differs = false;
+    for (size_t c = 0; c < 3; ++c) {
+      const double x = static_cast<double>(a.pixels[3 * i + c]), y = static_cast<double>(b.pixels[3 * i + c]);
+      const double d = x == y ? 0 : std::abs(x - y);
+      if (!(d <= options.tolerance)) differs = true;  // a NaN differs
+      largest = std::max(largest, std::isnan(d) ? INFINITY : d);
+      squares += d * d;
+    }
+    differing += differs ? 1 : 0;
+  }
+  const double share = pixels ? static_cast<double>(differing) / static_cast<double>(pixels) : 0;
+  fmt::print("{} of {} pixels differ by more than {:g} ({:.4f} %); largest difference {:g}; RMSE {:g}\n",
+             differing, pixels, options.tolerance, 100 * share, largest,
+             std::sqrt(squares / static_cast<double>(std::max<size_t>(1, a.pixels.size()))));
+  return share <= options.share ? kComplete : kRenderFailure;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,220 @@
+#include "node/node.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <deque>
+#include <utility>
+
+#include "protocol/block_codec.h"
+#include "protocol/build_identity.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr double kAliveInterval_s = 1;
+constexpr double kPollInterval_s = 0.01;  ///< while tracing
+// Before load code has come the host may be building a large scene, but it says that it is alive all the
+// same.
+constexpr double kHostTimeoutWhileLoading_s = 8;
+constexpr size_t kPixelsPerTransfer = 455;  ///< 4,095 bytes: within MPI's eager limit
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// The host said that the job is over.
+struct Finished {};
+/// The host has not been heard of for too long.
+struct HostGone {};
+
+struct Assigned {
+  int frame = 0;
+  DisplayPolygon polygon;
+};
+
+class Node {
+ public:
+  Node(Transport& transport, int self) : transport_(transport), self_(self), host_heard_(now_s()) {}
+
+  void introduce() {
+    transport_.send(kHost, Hello{machine_name(), static_cast<uint32_t>(getpid()), build_identity()});
+    alive_sent_ = now_s();
+  }
+
+  /// Waits for load code.
+  JobPlan receive_plan() {
+    for (Backoff backoff; !plan_bytes_; backoff.wait()) poll();
+    return decode_plan(*plan_bytes_);
+  }
+
+  void begin(const JobPlan& plan) {
+    plan_ = plan;
+    host_heard_ = now_s();
+    host_timeout_s_ = plan.host_timeout_s;
+  }
+
+  /// Until the host ends it. A node that could not load (no tracer) only waits for that.
+  [[noreturn]] void work(SubpolygonTracer* tracer) {
+    Backoff backoff;
+    while (true) {
+      poll();
+      if (const auto next = tracer ? next_subpolygon() : std::nullopt) {
+        trace(*tracer, *next);
+        backoff.reset();
+      } else {
+        backoff.wait();
+      }
+    }
+  }
+
+  void send_failure(const std::string& problem) { transport_.send(kHost, NodeFailed{problem}); }
+
+ private:
+  /// Takes up all messages and tells the host that this node is alive.
+  void poll() {
+    while (auto message = transport_.try_receive()) {
+      host_heard_ = now_s();
+      if (message->channel == Channel::control) {
+        receive_control(decode_control(message->bytes));
+      } else if (command_of(message->bytes) == Command::load_code) {
+        plan_bytes_ = decode_load_code(message->bytes);
+      } else {
+        assigned_.push_back({frame_, decode_display_polygon(message->bytes)});
+      }
+    }
+    const double now = now_s();
+    last_poll_ = now;
+    if (now - alive_sent_ > kAliveInterval_s) {
+      transport_.send(kHost, Alive{});
+      alive_sent_ = now;
+    }
+    if (now - host_heard_ > host_timeout_s_) throw HostGone{};
+  }
+
+  void receive_control(const Control& control) {
+    if (std::holds_alternative<Finish>(control)) throw Finished{};
+    if (const auto* select = std::get_if<SelectFrame>(&control)) frame_ = static_cast<int>(select->frame);
+    if (const auto* window = std::get_if<OpenWindow>(&control)) window_end_ = window->end_index;
+    // The host names only processes of this job that have fallen silent.
+    if (const auto* end = std::get_if<EndProcess>(&control)) kill(static_cast<pid_t>(end->pid), SIGKILL);
+  }
+
+  /// What the host assigned comes first; then, when interleaved, this node's own set of each frame in the
+  /// window.
+  std::optional<Assigned> next_subpolygon() {
+    if (!assigned_.empty()) {
+      const Assigned next = assigned_.front();
+      assigned_.pop_front();
+      return next;
+    }
+    if (plan_.policy != AssignmentPolicy::interleaved) return std::nullopt;
+    while (own_next_ == own_.size()) {
+      if (own_frame_index_ >= window_end_ || own_frame_index_ >= plan_.frames.size()) return std::nullopt;
+      own_ = interleaved_set(plan_.grid, plan_.processors, static_cast<int>(own_frame_index_++), self_ - 1);
+      own_next_ = 0;
+    }
+    return Assigned{plan_.frames[own_frame_index_ - 1], plan_.grid.polygon(own_[own_next_++])};
+  }
+
+  void trace(SubpolygonTracer& tracer, const Assigned& work) {
+    const int subpolygon = plan_.grid.find(work.polygon);
+    const double begin = now_s();
+    try {
+      if (subpolygon < 0) throw ProtocolError("the display polygon is not one of the grid's");
+      const auto traced = tracer.trace(work.frame, work.polygon, [this] {
+        if (now_s() - last_poll_ > kPollInterval_s) poll();
+      });
+      SubpolygonReport report{static_cast<uint32_t>(work.frame), static_cast<uint32_t>(subpolygon),
+                              traced.rays, static_cast<uint64_t>((now_s() - begin) * 1e6)};
+      if (plan_.wire == Wire::pixel)
+        send_pixels(work.polygon, report, traced.pixels);
+      else
+        send_block(work.polygon, report, traced.pixels);
+    } catch (const std::exception& e) {
+      transport_.send(kHost, SubpolygonFailed{static_cast<uint32_t>(work.frame),
+                                              static_cast<uint32_t>(std::max(subpolygon, 0)), e.what()});
+    }
+  }
+
+  uint16_t processor() const { return static_cast<uint16_t>(self_ - 1); }
+
+  void send_pixels(const DisplayPolygon& polygon, const SubpolygonReport& report, const Bytes& pixels) {
+    ByteWriter writer;
+    size_t i = 0;
+    for (int y = polygon.top; y <= polygon.bottom; ++y)
+      for (int x = polygon.left; x <= polygon.right; ++x, i += 3) {
+        append_pixel(processor(),
+                     {static_cast<uint16_t>(x),
+                      static_cast<uint16_t>(y),
+                      {static_cast<uint8_t>(pixels[i]), static_cast<uint8_t>(pixels[i + 1]),
+                       static_cast<uint8_t>(pixels[i + 2])}},
+                     writer);
+        if (writer.size() == kPixelsPerTransfer * kPixelBytes)
+          transport_.send(kHost, Channel::pixels, std::exchange(writer, {}).take());
+      }
+    if (writer.size() > 0) transport_.send(kHost, Channel::pixels, writer.take());
+    transport_.send(kHost, SubpolygonDone{report});
+  }
+
+  void send_block(const DisplayPolygon& polygon, const SubpolygonReport& report, const Bytes& pixels) {
+    const int width = polygon.right - polygon.left + 1, height = polygon.bottom - polygon.top + 1;
+    BlockResult block{report, false, pixels};
+    Bytes compressed;
+    if (plan_.compresses &&
+        pixels.size() == size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height)) {
+      compressed = compress_rgb8(pixels, width, height);
+      if (compressed.size() < pixels.size()) {
+        block.is_compressed = true;
+        block.pixels = compressed;
+      }
+    }
+    transport_.send(kHost, Channel::command, encode_block(processor(), block));
+  }
+
+  Transport& transport_;
+  int self_;
+  JobPlan plan_;
+  std::optional<Bytes> plan_bytes_;
+  double host_timeout_s_ = kHostTimeoutWhileLoading_s;
+  double host_heard_, alive_sent_ = 0, last_poll_ = 0;
+  int frame_ = 0;  ///< of the display polygons to come
+  std::deque<Assigned> assigned_;
+  uint32_t window_end_ = 0;     ///< interleaved: frames of the sequence before this may be traced
+  size_t own_frame_index_ = 0;  ///< interleaved: the next frame of the sequence
+  std::vector<int> own_;
+  size_t own_next_ = 0;
+};
+
+}  // namespace
+
+int run_node(Transport& transport, int self, const LoadScene& load_scene, const MakeTracer& make_tracer) {
+  Node node(transport, self);
+  try {
+    node.introduce();
+    const JobPlan plan = node.receive_plan();
+    if (plan.build != build_identity()) {
+      std::fprintf(stderr, "rayfarm: node %d on %s is of another build than its host; it refuses to work\n",
+                   self, machine_name().c_str());
+      return 1;
+    }
+    std::unique_ptr<SubpolygonTracer> tracer;
+    try {
+      tracer = make_tracer(plan, load_scene());
+    } catch (const std::exception& e) {
+      node.send_failure(e.what());
+    }
+    node.begin(plan);
+    node.work(tracer.get());
+  } catch (const Finished&) {
+    return 0;
+  } catch (const HostGone&) {
+    std::fprintf(stderr, "rayfarm: node %d on %s has not heard of its host for too long and ends\n", self,
+                 machine_name().c_str());
+    return 1;
+  }
+}
+
+}  // namespace rayfarm

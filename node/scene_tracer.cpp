@@ -1,0 +1,44 @@
+#include "common/lighting/render.h"
+#include "common/scene/scene_block.h"
+#include "common/scene/settings_codec.h"
+#include "node/node.h"
+
+namespace rayfarm {
+namespace {
+
+class SceneTracer : public SubpolygonTracer {
+ public:
+  SceneTracer(const JobPlan& plan, std::span<const std::byte> block)
+      : scene_(decode_scene(block)), settings_(decode_settings(plan.settings)), frame_pose_(scene_) {}
+
+  Traced trace(int frame, const DisplayPolygon& polygon, const std::function<void()>& pulse) override {
+    if (!has_frame_ || frame != frame_) {
+      has_frame_ = false;  // stays so if the frame can't be set up
+      pose_ = frame_pose_.at(frame);
+      camera_ = make_camera(scene_, frame, settings_.width_px, settings_.height_px);
+      frame_ = frame;
+      has_frame_ = true;
+    }
+    const PixelRect rect{polygon.left, polygon.top, polygon.right + 1, polygon.bottom + 1};
+    RenderedPixels rendered = render_rect(scene_, pose_, camera_, settings_, frame, rect, pulse);
+    const RayCounts& c = rendered.counts;
+    return {std::move(rendered.pixels), {c.primary, c.shadow, c.reflected, c.transmitted, c.diffuse}};
+  }
+
+ private:
+  Scene scene_;
+  RenderSettings settings_;
+  FramePose frame_pose_;
+  Pose pose_;
+  Camera camera_;
+  int frame_ = 0;
+  bool has_frame_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<SubpolygonTracer> make_scene_tracer(const JobPlan& plan, std::span<const std::byte> scene) {
+  return std::make_unique<SceneTracer>(plan, scene);
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,29 @@
+#pragma once
+// The farm's side of load code: what host and nodes agree on beside the render settings, which travel as
+// bytes that this room doesn't look into.
+#include <string>
+#include <vector>
+
+#include "protocol/subpolygons.h"
+
+namespace rayfarm {
+
+enum class AssignmentPolicy : uint8_t { on_demand, interleaved };
+enum class Wire : uint8_t { block, pixel };
+
+struct JobPlan {
+  std::string build;        ///< the host's
+  std::vector<int> frames;  ///< in the order in which they are rendered
+  AssignmentPolicy policy = AssignmentPolicy::on_demand;
+  Wire wire = Wire::block;
+  bool compresses = true;  ///< RGB8 blocks only
+  int processors = 1;
+  double host_timeout_s = 6;  ///< a node that hears nothing of the host for so long ends
+  SubpolygonGrid grid;
+  Bytes settings;
+};
+
+Bytes encode_plan(const JobPlan& plan);
+JobPlan decode_plan(std::span<const std::byte> bytes);
+
+}  // namespace rayfarm

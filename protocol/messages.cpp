@@ -1,0 +1,237 @@
+#include "protocol/messages.h"
+
+#include <limits>
+
+namespace rayfarm {
+namespace {
+
+void write_report(ByteWriter& w, const SubpolygonReport& r) {
+  w.varint(r.frame);
+  w.varint(r.subpolygon);
+  for (const uint64_t rays : r.rays) w.varint(rays);
+  w.varint(r.busy_us);
+}
+
+uint32_t read_u32_varint(ByteReader& r) {
+  const uint64_t v = r.varint();
+  if (v > std::numeric_limits<uint32_t>::max()) throw ProtocolError("a number in a message is out of range");
+  return static_cast<uint32_t>(v);
+}
+
+SubpolygonReport read_report(ByteReader& r) {
+  SubpolygonReport report;
+  report.frame = read_u32_varint(r);
+  report.subpolygon = read_u32_varint(r);
+  for (uint64_t& rays : report.rays) rays = r.varint();
+  report.busy_us = r.varint();
+  return report;
+}
+
+void expect(ByteReader& r, Command command) {
+  if (decode_word(r.u16()).command != command) throw ProtocolError("a message carries an unexpected command");
+}
+
+}  // namespace
+
+const char* name_of(Command command) {
+  static constexpr std::array<const char*, kCommands> kNames{"load_code", "load_data", "load_display_polygon",
+                                                             "return_result"};
+  return kNames[static_cast<size_t>(command)];
+}
+
+uint16_t encode_word(const CommandWord& word) {
+  if (word.processor > kAllProcessors) throw ProtocolError("a processor id has 14 bits");
+  return static_cast<uint16_t>(static_cast<unsigned>(word.command) << 14 | word.processor);
+}
+
+CommandWord decode_word(uint16_t bits) {
+  return {static_cast<Command>(bits >> 14), static_cast<uint16_t>(bits & 0x3fff)};
+}
+
+Command command_of(std::span<const std::byte> message) {
+  return decode_word(ByteReader(message).u16()).command;
+}
+
+Bytes encode_load_code(std::span<const std::byte> payload) {
+  const size_t words = (payload.size() + kCodeWordBytes - 1) / kCodeWordBytes;
+  ByteWriter w;
+  w.u16(encode_word({Command::load_code, kAllProcessors}));
+  w.u32(static_cast<uint32_t>(words));
+  w.u32(0);
+  w.bytes(payload);
+  for (size_t i = payload.size(); i < words * kCodeWordBytes; ++i) w.u8(0);
+  return w.take();
+}
+
+Bytes decode_load_code(std::span<const std::byte> message) {
+  ByteReader r(message);
+  expect(r, Command::load_code);
+  const uint64_t words = r.u32();
+  if (r.u32() != 0) throw ProtocolError("code is loaded at address 0");
+  const auto payload = r.rest();
+  if (payload.size() != words * kCodeWordBytes)
+    throw ProtocolError("load code has another length than it says");
+  return {payload.begin(), payload.end()};
+}
+
+void encode_load_data(const LoadData& data, Bytes& out) {
+  if (data.address % kDataWordBytes != 0 || data.payload.size() % kDataWordBytes != 0)
+    throw ProtocolError("data are loaded in words of 64 bytes");
+  const uint64_t count = data.payload.size() / kDataWordBytes, address = data.address / kDataWordBytes;
+  if (address + count > std::numeric_limits<uint32_t>::max())
+    throw ProtocolError("the scene is larger than load data can address (256 GiB)");
+  ByteWriter w;
+  w.u16(encode_word({Command::load_data, kAllProcessors}));
+  w.u32(static_cast<uint32_t>(count));
+  w.u32(static_cast<uint32_t>(address));
+  w.bytes(data.payload);
+  out = w.take();
+}
+
+LoadData decode_load_data(std::span<const std::byte> message) {
+  ByteReader r(message);
+  expect(r, Command::load_data);
+  const uint64_t count = r.u32();
+  LoadData data;
+  data.address = uint64_t{r.u32()} * kDataWordBytes;
+  data.payload = r.rest();
+  if (data.payload.size() != count * kDataWordBytes)
+    throw ProtocolError("load data has another length than it says");
+  return data;
+}
+
+Bytes encode_display_polygon(uint16_t processor, const DisplayPolygon& p) {
+  ByteWriter w;
+  w.u16(encode_word({Command::load_display_polygon, processor}));
+  for (const uint16_t v : {p.left, p.top, p.right, p.bottom}) w.u16(v);
+  return w.take();
+}
+
+DisplayPolygon decode_display_polygon(std::span<const std::byte> message) {
+  ByteReader r(message);
+  expect(r, Command::load_display_polygon);
+  DisplayPolygon p;
+  p.left = r.u16();
+  p.top = r.u16();
+  p.right = r.u16();
+  p.bottom = r.u16();
+  r.expect_end();
+  if (p.left > p.right || p.top > p.bottom)
+    throw ProtocolError("a display polygon's corners are in the wrong order");
+  return p;
+}
+
+void append_pixel(uint16_t processor, const PixelResult& pixel, ByteWriter& w) {
+  w.u16(encode_word({Command::return_result, processor}));
+  w.u16(pixel.x);
+  w.u16(pixel.y);
+  for (const uint8_t c : pixel.rgb) w.u8(c);
+}
+
+PixelResult read_pixel(ByteReader& r) {
+  expect(r, Command::return_result);
+  PixelResult pixel;
+  pixel.x = r.u16();
+  pixel.y = r.u16();
+  for (uint8_t& c : pixel.rgb) c = r.u8();
+  return pixel;
+}
+
+Bytes encode_block(uint16_t processor, const BlockResult& block) {
+  ByteWriter w;
+  w.u16(encode_word({Command::return_result, processor}));
+  w.u8(block.is_compressed ? 1 : 0);
+  write_report(w, block.report);
+  w.bytes(block.pixels);
+  return w.take();
+}
+
+BlockResult decode_block(std::span<const std::byte> message) {
+  ByteReader r(message);
+  expect(r, Command::return_result);
+  BlockResult block;
+  const uint8_t form = r.u8();
+  if (form > 1) throw ProtocolError("a block of unknown form");
+  block.is_compressed = form == 1;
+  block.report = read_report(r);
+  block.pixels = r.rest();
+  return block;
+}
+
+Bytes encode_control(const Control& control) {
+  ByteWriter w;
+  w.u8(static_cast<uint8_t>(control.index()));
+  struct Write {
+    ByteWriter& w;
+    void operator()(const Hello& m) const {
+      w.text(m.machine);
+      w.u32(m.pid);
+      w.text(m.build);
+    }
+    void operator()(const Alive&) const {}
+    void operator()(const SelectFrame& m) const { w.u32(m.frame); }
+    void operator()(const OpenWindow& m) const { w.u32(m.end_index); }
+    void operator()(const SubpolygonDone& m) const { write_report(w, m.report); }
+    void operator()(const SubpolygonFailed& m) const {
+      w.u32(m.frame);
+      w.u32(m.subpolygon);
+      w.text(m.problem);
+    }
+    void operator()(const NodeFailed& m) const { w.text(m.problem); }
+    void operator()(const EndProcess& m) const { w.u32(m.pid); }
+    void operator()(const Finish&) const {}
+  };
+  std::visit(Write{w}, control);
+  return w.take();
+}
+
+Control decode_control(std::span<const std::byte> message) {
+  ByteReader r(message);
+  const uint8_t kind = r.u8();
+  Control control;
+  switch (kind) {
+    case 0: {
+      Hello m;
+      m.machine = r.text();
+      m.pid = r.u32();
+      m.build = r.text();
+      control = m;
+      break;
+    }
+    case 1:
+      control = Alive{};
+      break;
+    case 2:
+      control = SelectFrame{r.u32()};
+      break;
+    case 3:
+      control = OpenWindow{r.u32()};
+      break;
+    case 4:
+      control = SubpolygonDone{read_report(r)};
+      break;
+    case 5: {
+      SubpolygonFailed m;
+      m.frame = r.u32();
+      m.subpolygon = r.u32();
+      m.problem = r.text();
+      control = m;
+      break;
+    }
+    case 6:
+      control = NodeFailed{r.text()};
+      break;
+    case 7:
+      control = EndProcess{r.u32()};
+      break;
+    case 8:
+      control = Finish{};
+      break;
+    default:
+      throw ProtocolError("a control message of unknown kind");
+  }
+  r.expect_end();
+  return control;
+}
+
+}  // namespace rayfarm

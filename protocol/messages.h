@@ -1,0 +1,127 @@
+#pragma once
+// The messages of the net (thesis 4.4.4.2). A command is a 16-bit word: two bits of code, fourteen of
+// processor id. Beside the four commands there are control messages, which the thesis's machine needed none
+// of: who is there, who is alive, which frame is meant, what failed. They are counted apart.
+#include <array>
+#include <optional>
+#include <variant>
+
+#include "protocol/byte_stream.h"
+
+namespace rayfarm {
+
+enum class Command : uint8_t { load_code, load_data, load_display_polygon, return_result };
+inline constexpr size_t kCommands = 4;
+const char* name_of(Command command);
+
+/// Processors are numbered from 0; the largest id means all of them.
+inline constexpr int kMostProcessors = 16'383;
+inline constexpr uint16_t kAllProcessors = 16'383;
+
+struct CommandWord {
+  Command command = Command::load_code;
+  uint16_t processor = kAllProcessors;
+};
+uint16_t encode_word(const CommandWord& word);
+CommandWord decode_word(uint16_t bits);
+/// The command of a message on the command channel.
+Command command_of(std::span<const std::byte> message);
+
+// ---- load code, load data: word, count, address, payload
+// ------------------------------------------------------
+
+/// Count and address are 32 bits each and count words of this many bytes.
+inline constexpr size_t kCodeWordBytes = 4;
+inline constexpr size_t kDataWordBytes = 64;
+inline constexpr size_t kLoadHeaderBytes = 10;
+
+Bytes encode_load_code(std::span<const std::byte> payload);
+Bytes decode_load_code(std::span<const std::byte> message);
+
+/// A chunk of the scene block: `address` and the payload's size are multiples of kDataWordBytes.
+struct LoadData {
+  uint64_t address = 0;
+  std::span<const std::byte> payload;
+};
+void encode_load_data(const LoadData& data, Bytes& out);
+LoadData decode_load_data(std::span<const std::byte> message);
+
+// ---- load display polygon: word, two corners
+// ------------------------------------------------------------------
+
+/// The upper left and lower right pixel of a subpolygon, both inside it: 0 to 65,535 each.
+struct DisplayPolygon {
+  uint16_t left = 0, top = 0, right = 0, bottom = 0;
+  bool operator==(const DisplayPolygon&) const = default;
+};
+inline constexpr size_t kDisplayPolygonBytes = 10;
+Bytes encode_display_polygon(uint16_t processor, const DisplayPolygon& polygon);
+DisplayPolygon decode_display_polygon(std::span<const std::byte> message);
+
+// ---- return result
+// --------------------------------------------------------------------------------------------
+
+/// What it took to trace a subpolygon. It travels in a block's header; beside the pixel wire it is a control
+/// message.
+struct SubpolygonReport {
+  uint32_t frame = 0;
+  uint32_t subpolygon = 0;
+  std::array<uint64_t, 5> rays{};  ///< primary, shadow, reflected, transmitted, diffuse
+  uint64_t busy_us = 0;
+};
+
+/// The thesis's form: 2 bytes of word, 2 × 2 of position, 3 of value; several may follow each other in one
+/// message.
+inline constexpr size_t kPixelBytes = 9;
+struct PixelResult {
+  uint16_t x = 0, y = 0;
+  std::array<uint8_t, 3> rgb{};
+};
+void append_pixel(uint16_t processor, const PixelResult& pixel, ByteWriter& out);
+PixelResult read_pixel(ByteReader& in);
+
+/// A whole subpolygon: report, then the pixels' bytes.
+struct BlockResult {
+  SubpolygonReport report;
+  bool is_compressed = false;
+  std::span<const std::byte> pixels;
+};
+Bytes encode_block(uint16_t processor, const BlockResult& block);
+BlockResult decode_block(std::span<const std::byte> message);
+
+// ---- control
+// --------------------------------------------------------------------------------------------------
+
+struct Hello {  ///< node → host, first of all
+  std::string machine;
+  uint32_t pid = 0;
+  std::string build;
+};
+struct Alive {};      ///< both ways, every second or so
+struct SelectFrame {  ///< host → node: the frame of the display polygons that follow
+  uint32_t frame = 0;
+};
+struct OpenWindow {  ///< host → node, interleaved: frames before this index of the sequence may be traced
+  uint32_t end_index = 0;
+};
+struct SubpolygonDone {  ///< node → host, pixel wire: all pixels of a subpolygon have been sent
+  SubpolygonReport report;
+};
+struct SubpolygonFailed {  ///< node → host
+  uint32_t frame = 0;
+  uint32_t subpolygon = 0;
+  std::string problem;
+};
+struct NodeFailed {  ///< node → host: it could not load
+  std::string problem;
+};
+struct EndProcess {  ///< host → node: end a hung process of this job on your machine
+  uint32_t pid = 0;
+};
+struct Finish {};  ///< host → node: the job is over
+using Control = std::variant<Hello, Alive, SelectFrame, OpenWindow, SubpolygonDone, SubpolygonFailed,
+                             NodeFailed, EndProcess, Finish>;
+Bytes encode_control(const Control& control);
+Control decode_control(std::span<const std::byte> message);
+
+}  // namespace rayfarm

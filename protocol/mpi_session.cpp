@@ -1,0 +1,293 @@
+#include "protocol/mpi_session.h"
+
+#include <fmt/core.h>
+#include <mpi.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <list>
+#include <vector>
+
+namespace rayfarm {
+namespace {
+
+// A chunk takes well under the time limit even on the thesis's 8 Mbit/s net (0.26 s per copy).
+constexpr size_t kChunkBytes = 256 << 10;
+static_assert(kChunkBytes % kDataWordBytes == 0);
+constexpr double kChunkSeconds = 20;
+constexpr double kStartSeconds = 25;
+
+void check(int code, const char* what) {
+  if (code == MPI_SUCCESS) return;
+  char text[MPI_MAX_ERROR_STRING];
+  int length = 0;
+  MPI_Error_string(code, text, &length);
+  throw MpiError(fmt::format("{}: {}", what, std::string(text, static_cast<size_t>(length))));
+}
+
+int to_int(size_t n) {
+  if (n > static_cast<size_t>(std::numeric_limits<int>::max()))
+    throw MpiError("a message is longer than 2 GiB");
+  return static_cast<int>(n);
+}
+
+class MpiTransport : public Transport {
+ public:
+  explicit MpiTransport(MPI_Comm comm) : comm_(comm) {
+    int rank = 0, size = 1;
+    MPI_Comm_rank(comm, &rank);
+    MPI_Comm_size(comm, &size);
+    nodes_ = size - 1;
+    receives_.resize(static_cast<size_t>(size));
+    if (rank == kHost) own_meter(nodes_);
+  }
+  int node_count() const override { return nodes_; }
+
+ protected:
+  void do_send(int to, Channel channel, Bytes bytes) override {
+    drop_finished_sends();
+    sends_.push_back({MPI_REQUEST_NULL, std::move(bytes)});
+    Pending& s = sends_.back();
+    check(MPI_Isend(s.bytes.data(), to_int(s.bytes.size()), MPI_BYTE, to, static_cast<int>(channel), comm_,
+                    &s.request),
+          "sending");
+  }
+
+  std::optional<Message> do_try_receive() override {
+    drop_finished_sends();
+    while (true) {  // take up all that has arrived
+      int found = 0;
+      MPI_Message handle;
+      MPI_Status status;
+      check(MPI_Improbe(MPI_ANY_SOURCE, MPI_ANY_TAG, comm_, &found, &handle, &status),
+            "looking for messages");
+      if (!found) break;
+      int size = 0;
+      MPI_Get_count(&status, MPI_BYTE, &size);
+      auto& queue = receives_[static_cast<size_t>(status.MPI_SOURCE)];
+      queue.push_back(
+          {{MPI_REQUEST_NULL, Bytes(static_cast<size_t>(size))}, static_cast<Channel>(status.MPI_TAG)});
+      Receive& receive = queue.back();
+      check(MPI_Imrecv(receive.pending.bytes.data(), size, MPI_BYTE, &handle, &receive.pending.request),
+            "receiving");
+    }
+    // A long message whose sender died never completes: only that sender's queue waits behind it.
+    const size_t ends = receives_.size();
+    for (size_t i = 0; i < ends; ++i) {
+      const size_t source = (next_ + i) % ends;
+      auto& queue = receives_[source];
+      if (queue.empty()) continue;
+      int done = 0;
+      const int code = MPI_Test(&queue.front().pending.request, &done, MPI_STATUS_IGNORE);
+      if (code != MPI_SUCCESS) {  // the sender was lost in the middle: what it sent is lost with it
+        queue.pop_front();
+        continue;
+      }
+      if (!done) continue;
+      Message message{static_cast<int>(source), queue.front().channel,
+                      std::move(queue.front().pending.bytes)};
+      queue.pop_front();
+      next_ = source + 1;
+      return message;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  struct Pending {
+    MPI_Request request;
+    Bytes bytes;
+  };
+  struct Receive {
+    Pending pending;
+    Channel channel;
+  };
+
+  void drop_finished_sends() {
+    for (auto i = sends_.begin(); i != sends_.end();) {
+      int done = 0;
+      const int code = MPI_Test(&i->request, &done, MPI_STATUS_IGNORE);
+      i = done || code != MPI_SUCCESS ? sends_.erase(i) : std::next(i);
+    }
+  }
+
+  MPI_Comm comm_;
+  int nodes_ = 0;
+  size_t next_ = 0;
+  std::list<Pending> sends_;
+  std::vector<std::deque<Receive>> receives_;
+};
+
+class WindowBlock : public SharedBlock {
+ public:
+  WindowBlock(std::byte* data, size_t size) : data_(data), size_(size) {}
+  std::span<const std::byte> bytes() const override { return {data_, size_}; }
+  bool is_shared() const override { return true; }
+
+ private:
+  std::byte* data_;  // the window itself is never freed: that would wait for the dead
+  size_t size_;
+};
+
+class PrivateBlock : public SharedBlock {
+ public:
+  explicit PrivateBlock(size_t size)
+      : size_(size), data_(static_cast<std::byte*>(std::aligned_alloc(64, size)), &std::free) {
+    if (!data_) throw std::bad_alloc();
+  }
+  std::span<const std::byte> bytes() const override { return {data_.get(), size_}; }
+  bool is_shared() const override { return false; }
+  std::byte* data() { return data_.get(); }
+
+ private:
+  size_t size_;
+  std::unique_ptr<std::byte, decltype(&std::free)> data_;
+};
+
+bool shared_memory_holds(uint64_t bytes) {
+  struct statvfs info {};
+  if (statvfs("/dev/shm", &info) != 0) return false;
+  constexpr uint64_t kSpare = 16 << 20;  // MPI itself keeps buffers there
+  return uint64_t{info.f_bavail} * info.f_frsize >= bytes + kSpare;
+}
+
+}  // namespace
+
+struct MpiSession::State {
+  Watchdog watchdog;
+  MPI_Comm comm = MPI_COMM_NULL;
+  int rank = 0, size = 1;
+
+  /// Runs one collective step under the watchdog.
+  template <typename Step>
+  void collective(const char* what, Step step) {
+    watchdog.arm(kChunkSeconds,
+                 fmt::format("a process was lost while loading ({}); the job ends. Start it again, "
+                             "without the machine that failed",
+                             what));
+    check(step(), what);
+    watchdog.disarm();
+  }
+};
+
+bool MpiSession::is_launched() {
+  return std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMIX_RANK") || std::getenv("PMI_RANK");
+}
+
+MpiSession::MpiSession(int* argc, char*** argv) : state_(std::make_unique<State>()) {
+  state_->watchdog.arm(kStartSeconds, "MPI did not start: a process was lost, or a machine can't be reached");
+  MPI_Init(argc, argv);
+  state_->watchdog.arm(kStartSeconds, "a process was lost while MPI started");
+  // A communicator of our own: without this the return codes below would never be seen.
+  MPI_Comm_dup(MPI_COMM_WORLD, &state_->comm);
+  MPI_Comm_set_errhandler(state_->comm, MPI_ERRORS_RETURN);
+  MPI_Comm_rank(state_->comm, &state_->rank);
+  MPI_Comm_size(state_->comm, &state_->size);
+  state_->watchdog.disarm();
+}
+
+MpiSession::~MpiSession() = default;
+
+int MpiSession::rank() const {
+  return state_->rank;
+}
+int MpiSession::size() const {
+  return state_->size;
+}
+
+std::unique_ptr<Transport> MpiSession::make_transport() {
+  return std::make_unique<MpiTransport>(state_->comm);
+}
+
+std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> block, TrafficMeter* meter,
+                                                   const std::function<void(const std::string&)>& warn) {
+  State& s = *state_;
+  uint64_t size = block.size();
+  s.collective("the scene's size", [&] { return MPI_Bcast(&size, 1, MPI_UINT64_T, kHost, s.comm); });
+
+  // One leader a machine takes part in the broadcast over the net; the host leads its own.
+  MPI_Comm machine = MPI_COMM_NULL, leaders = MPI_COMM_NULL;
+  s.collective("grouping by machine", [&] {
+    return MPI_Comm_split_type(s.comm, MPI_COMM_TYPE_SHARED, s.rank, MPI_INFO_NULL, &machine);
+  });
+  MPI_Comm_set_errhandler(machine, MPI_ERRORS_RETURN);
+  int machine_rank = 0, machine_size = 1;
+  MPI_Comm_rank(machine, &machine_rank);
+  MPI_Comm_size(machine, &machine_size);
+
+  int is_shared = shared_memory_holds(size) ? 1 : 0;
+  s.collective("choosing the memory", [&] { return MPI_Bcast(&is_shared, 1, MPI_INT, 0, machine); });
+  if (!is_shared && machine_rank == 0)
+    warn(fmt::format(
+        "/dev/shm has no room for the scene's {} MiB: the {} processes on this machine hold a copy each",
+        size >> 20, machine_size));
+
+  std::unique_ptr<SharedBlock> result;
+  std::byte* target = nullptr;
+  if (is_shared) {
+    MPI_Win window = MPI_WIN_NULL;
+    s.collective("making shared memory", [&] {
+      return MPI_Win_allocate_shared(machine_rank == 0 ? static_cast<MPI_Aint>(size + 64) : 0, 1,
+                                     MPI_INFO_NULL, machine, &target, &window);
+    });
+    MPI_Aint window_size = 0;
+    int unit = 1;
+    check(MPI_Win_shared_query(window, 0, &window_size, &unit, &target), "finding shared memory");
+    // Processes map the window where they like, but always by whole pages, so the padding is the same for
+    // all.
+    target += (64 - reinterpret_cast<uintptr_t>(target) % 64) % 64;
+    result = std::make_unique<WindowBlock>(target, size);
+  } else {
+    auto own = std::make_unique<PrivateBlock>(size);
+    target = own->data();
+    result = std::move(own);
+  }
+
+  // With a shared copy only leaders receive; without, every process does.
+  const bool receives = !is_shared || machine_rank == 0;
+  s.collective("choosing the receivers",
+               [&] { return MPI_Comm_split(s.comm, receives ? 0 : MPI_UNDEFINED, s.rank, &leaders); });
+  if (receives) {
+    MPI_Comm_set_errhandler(leaders, MPI_ERRORS_RETURN);
+    Bytes message;
+    for (uint64_t offset = 0; offset < size; offset += kChunkBytes) {
+      const size_t length = std::min<uint64_t>(kChunkBytes, size - offset);
+      if (s.rank == kHost) {
+        encode_load_data({offset, block.subspan(offset, length)}, message);
+        if (meter) meter->count_command(0, Direction::to_node, Command::load_data, {1, message.size()});
+      } else {
+        message.resize(kLoadHeaderBytes + length);
+      }
+      s.collective("broadcasting the scene", [&] {
+        return MPI_Bcast(message.data(), to_int(message.size()), MPI_BYTE, kHost, leaders);
+      });
+      const LoadData data = decode_load_data(message);
+      if (data.address > size || data.payload.size() > size - data.address)
+        throw ProtocolError("load data lies outside of the scene");
+      std::memcpy(target + data.address, data.payload.data(), data.payload.size());
+    }
+  }
+  s.collective("the end of loading", [&] { return MPI_Barrier(machine); });
+  s.collective("the end of loading", [&] { return MPI_Barrier(s.comm); });
+  return result;
+}
+
+void MpiSession::finish(int code, bool must_end_hung) {
+  std::fflush(nullptr);
+  if (must_end_hung) {
+    // Ends every process of the job, the hung ones too; with recovery switched on mpirun still returns 0.
+    state_->watchdog.arm(10, "the job's last processes did not end");
+    MPI_Abort(state_->comm, code);
+  }
+  if (code != 0) end_job(code);
+  state_->watchdog.arm(10, "MPI did not end by itself");
+  MPI_Finalize();
+  state_->watchdog.disarm();
+  _exit(0);
+}
+
+}  // namespace rayfarm

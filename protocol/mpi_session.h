@@ -1,0 +1,53 @@
+#pragma once
+// MPI from start to end, and the only place where collectives run: while loading. Afterwards nothing may wait
+// for a process that could be dead, so all else is point to point, and shared windows are left to the
+// runtime.
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "protocol/transport.h"
+#include "protocol/watchdog.h"
+
+namespace rayfarm {
+
+/// A scene block that this process can read: its own, or its machine's shared copy.
+class SharedBlock {
+ public:
+  virtual ~SharedBlock() = default;
+  virtual std::span<const std::byte> bytes() const = 0;
+  virtual bool is_shared() const = 0;
+};
+
+class MpiSession {
+ public:
+  /// True if this process was started by mpirun, srun or another launcher that MPI knows.
+  static bool is_launched();
+
+  /// Starts MPI. Ends the job with a message if that takes longer than any sane start (a process was lost).
+  MpiSession(int* argc, char*** argv);
+  ~MpiSession();
+  MpiSession(const MpiSession&) = delete;
+  MpiSession& operator=(const MpiSession&) = delete;
+
+  int rank() const;
+  int size() const;
+  std::unique_ptr<Transport> make_transport();
+
+  /// Collective: gives every machine one copy of the host's block in shared memory, in chunks of load data.
+  /// Where /dev/shm is too small the machine's processes hold a copy each, and `warn` is called on one of
+  /// them. `block` is read on rank 0 only. A process lost meanwhile ends the job within 20 s.
+  std::unique_ptr<SharedBlock> load_data(std::span<const std::byte> block, TrafficMeter* meter,
+                                         const std::function<void(const std::string&)>& warn);
+
+  /// Ends MPI and the process. A process that is lost can't hold it up; `must_end_hung` also ends hung ones
+  /// on other machines, which the runtime would wait for.
+  [[noreturn]] void finish(int code, bool must_end_hung);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rayfarm

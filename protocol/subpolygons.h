@@ -1,0 +1,31 @@
+#pragma once
+// How the display polygon is cut into subpolygons (about 64 per processor; thesis 4.4.4.2), and which of them
+// a processor traces by itself when work is interleaved. Host and nodes compute both from the same numbers.
+#include <vector>
+
+#include "protocol/messages.h"
+
+namespace rayfarm {
+
+/// The grid of subpolygons over a rectangle of pixels; numbered row by row.
+struct SubpolygonGrid {
+  int left = 0, top = 0, width = 0, height = 0;  ///< the rectangle, in pixels of the image
+  int columns = 1, rows = 1;
+
+  int count() const { return columns * rows; }
+  DisplayPolygon polygon(int subpolygon) const;
+  /// The number of the subpolygon with these corners, or -1.
+  int find(const DisplayPolygon& polygon) const;
+};
+
+/// About 64 subpolygons per processor, none smaller than 8 × 8 pixels unless the rectangle is.
+SubpolygonGrid make_grid(int left, int top, int width, int height, int processors);
+
+/// The processor (0 to processors - 1) that traces a subpolygon of the sequence's frame `frame_index`: evenly
+/// spread over the image, and the next processor's set in the next frame.
+int interleaved_owner(const SubpolygonGrid& grid, int processors, int frame_index, int subpolygon);
+
+/// The subpolygons of one processor in one frame, in order.
+std::vector<int> interleaved_set(const SubpolygonGrid& grid, int processors, int frame_index, int processor);
+
+}  // namespace rayfarm

@@ -1,0 +1,43 @@
+#include "protocol/transport.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+namespace rayfarm {
+
+void Transport::count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes) {
+  if (!meter_) return;
+  if (channel == Channel::control || bytes.size() < 2) {
+    meter_->count_control(node, direction, {1, bytes.size()});
+    return;
+  }
+  const Command command = command_of(bytes);
+  const uint64_t messages = channel == Channel::pixels ? bytes.size() / kPixelBytes : 1;
+  meter_->count_command(node, direction, command, {messages, bytes.size()});
+}
+
+void Transport::send(int to, Channel channel, Bytes bytes) {
+  count(to, Direction::to_node, channel, bytes);
+  do_send(to, channel, std::move(bytes));
+}
+
+void Transport::broadcast(Channel channel, const Bytes& bytes) {
+  count(0, Direction::to_node, channel, bytes);
+  for (int node = 1; node <= node_count(); ++node) do_send(node, channel, bytes);
+}
+
+std::optional<Message> Transport::try_receive() {
+  auto message = do_try_receive();
+  if (message) count(message->source, Direction::to_host, message->channel, message->bytes);
+  return message;
+}
+
+void Backoff::wait() {
+  // 20 µs at first, doubling every four waits up to 4 ms: a poll costs a few µs, so an idle process stays far
+  // below 1 % of a core, and an answer to a fresh event comes fast.
+  const int doublings = std::min(idle_++ / 4, 8);
+  std::this_thread::sleep_for(std::chrono::microseconds(std::min(20 << doublings, 4000)));
+}
+
+}  // namespace rayfarm

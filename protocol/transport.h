@@ -1,0 +1,60 @@
+#pragma once
+// How messages travel between the host and its nodes. Both transports keep the order of messages between any
+// two ends, never block, and may lose what is sent to a process that is gone.
+#include <memory>
+#include <optional>
+
+#include "protocol/traffic_meter.h"
+
+namespace rayfarm {
+
+/// What a transfer holds: one command, several return-result commands of 9 bytes each, or a control message.
+/// Whatever its channel, a transfer never overtakes an earlier one between the same two ends.
+enum class Channel : uint8_t { command, pixels, control };
+
+inline constexpr int kHost = 0;  ///< nodes are numbered from 1, as ranks are
+
+struct Message {
+  int source = kHost;
+  Channel channel = Channel::control;
+  Bytes bytes;
+};
+
+class Transport {
+ public:
+  virtual ~Transport() = default;
+  virtual int node_count() const = 0;
+
+  /// Sends to one end and counts it.
+  void send(int to, Channel channel, Bytes bytes);
+  void send(int to, const Control& control) { send(to, Channel::control, encode_control(control)); }
+  /// The host sends to every node; counted once.
+  void broadcast(Channel channel, const Bytes& bytes);
+  /// The next message, if one has come. Malformed commands are counted as one message.
+  std::optional<Message> try_receive();
+
+  /// Only the host's transport has a meter.
+  TrafficMeter* meter() { return meter_.get(); }
+  const TrafficMeter* meter() const { return meter_.get(); }
+
+ protected:
+  void own_meter(int nodes) { meter_ = std::make_unique<TrafficMeter>(nodes); }
+  virtual void do_send(int to, Channel channel, Bytes bytes) = 0;
+  virtual std::optional<Message> do_try_receive() = 0;
+
+ private:
+  void count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes);
+  std::unique_ptr<TrafficMeter> meter_;
+};
+
+/// Sleeps longer the longer nothing happens, so that waiting costs almost no processor time.
+class Backoff {
+ public:
+  void reset() { idle_ = 0; }
+  void wait();
+
+ private:
+  int idle_ = 0;
+};
+
+}  // namespace rayfarm

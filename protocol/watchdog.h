@@ -1,0 +1,39 @@
+#pragma once
+// Ends this process when something that can't be interrupted, an MPI collective above all, makes no progress:
+// with a dead process in it, it would wait for ever.
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace rayfarm {
+
+class Watchdog {
+ public:
+  Watchdog();
+  ~Watchdog();
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+
+  /// From now on `disarm` or another `arm` must come within `seconds`; else the message is printed to stderr
+  /// and the whole job ends with exit code 1 (see end_job).
+  void arm(double seconds, std::string message);
+  void disarm();
+
+ private:
+  void watch();
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::chrono::steady_clock::time_point deadline_;
+  std::string message_;
+  bool is_armed_ = false, is_ending_ = false;
+  std::thread thread_;
+};
+
+/// Ends this process at once with `code`, without waiting for any other. Under an mpirun that recovers from
+/// lost processes the exit codes of its processes are ignored (Open MPI 4.1), so an mpirun on this machine is
+/// told to end the job, which makes it return 1 for every code but 0.
+[[noreturn]] void end_job(int code);
+
+}  // namespace rayfarm
