@@ -17,11 +17,11 @@ struct Farm {
       load_data;
 };
 
-/// How a command ended: the process's exit code, and whether hung nodes are left that the runtime would wait
-/// for.
+/// How a command ended.
 struct Ending {
   int exit_code = 0;
-  bool must_end_hung = false;
+  bool has_losses = false;      ///< nodes were lost
+  bool has_hung_nodes = false;  ///< and some of them may hang where nobody can end them
 };
 
 }  // namespace rayfarm

@@ -60,14 +60,15 @@ int render_locally(const RenderOptions& options) {
 [[noreturn]] void render_on_mpi(const RenderOptions& options, int argc, char** argv) {
   MpiSession session(&argc, &argv);
   if (session.size() == 1)
-    session.finish(is_lone_slurm_task(1) ? report_lone_slurm_task() : render_locally(options), false);
+    session.finish(is_lone_slurm_task(1) ? report_lone_slurm_task() : render_locally(options),
+                   Parting::together);
   if (session.size() - 1 > kMostProcessors) {
     if (session.rank() == 0)
       fmt::print(stderr,
                  "rayfarm: {} nodes are more than the {} that a command's 14 bits can address; start fewer "
                  "processes\n",
                  session.size() - 1, kMostProcessors);
-    session.finish(kUsageError, false);
+    session.finish(kUsageError, Parting::together);
   }
   const auto transport = session.make_transport();
   if (session.rank() == 0) {
@@ -77,7 +78,9 @@ int render_locally(const RenderOptions& options) {
                 shared = session.load_data(block, transport->meter(), warn);
               }};
     const Ending ending = run_render(options, farm);
-    session.finish(ending.exit_code, ending.must_end_hung);
+    session.finish(ending.exit_code, ending.has_hung_nodes ? Parting::ending_the_hung
+                                     : ending.has_losses   ? Parting::without_the_lost
+                                                           : Parting::together);
   }
   std::unique_ptr<SharedBlock> shared;
   const auto load_scene_block = [&] {
@@ -85,8 +88,9 @@ int render_locally(const RenderOptions& options) {
                                [](const std::string& text) { fmt::print(stderr, "rayfarm: {}\n", text); });
     return shared->bytes();
   };
-  // A node's own exit code would say nothing that its host doesn't: only a lost host makes it fail.
-  session.finish(run_node(*transport, session.rank(), load_scene_block, make_scene_tracer), false);
+  const NodeEnding ending = run_node(*transport, session.rank(), load_scene_block, make_scene_tracer);
+  session.finish(ending == NodeEnding::failed ? kRenderFailure : kComplete,
+                 ending == NodeEnding::finished ? Parting::together : Parting::without_the_lost);
 }
 
 int run(const CommandLine& line, int argc, char** argv) {

@@ -203,8 +203,9 @@ class RenderCommand {
       log_->error(e.what());
       ending.exit_code = kRenderFailure;
     }
-    if (is_loaded_) ending.must_end_hung = end_hung_nodes(farm_.transport, result_);
-    farm_.transport.broadcast(Channel::control, encode_control(Finish{}));
+    if (is_loaded_) ending.has_hung_nodes = end_hung_nodes(farm_.transport, result_);
+    ending.has_losses = std::any_of(result_.nodes.begin(), result_.nodes.end(), [](const NodeResult& n) { return n.is_lost; });
+    farm_.transport.broadcast(Channel::control, encode_control(Finish{ending.has_losses}));
     // The last messages leave before the process does; nodes end within a poll.
     for (int i = 0; i < 20; ++i) {
       while (farm_.transport.try_receive()) {
@@ -275,6 +276,7 @@ class RenderCommand {
     farm_.load_data(loaded_->compiled.block.bytes(), [this](const std::string& text) { log_->warn(text); });
     is_loaded_ = true;
     result_.times.broadcast_s = now_s() - broadcast_begin;
+    log_->debug("the scene is loaded everywhere; tracing begins");
 
     farm_options.image = {settings.width_px, settings.height_px, settings.crop, settings.pixel_format, {}};
     farm_options.attributes = {{"rayfarm/version", RAYFARM_VERSION},

@@ -26,7 +26,9 @@ double now_s() {
 }
 
 /// The host said that the job is over.
-struct Finished {};
+struct Finished {
+  bool has_losses = false;
+};
 /// The host has not been heard of for too long.
 struct HostGone {};
 
@@ -95,7 +97,7 @@ class Node {
   }
 
   void receive_control(const Control& control) {
-    if (std::holds_alternative<Finish>(control)) throw Finished{};
+    if (const auto* finish = std::get_if<Finish>(&control)) throw Finished{finish->has_losses};
     if (const auto* select = std::get_if<SelectFrame>(&control)) frame_ = static_cast<int>(select->frame);
     if (const auto* window = std::get_if<OpenWindow>(&control)) window_end_ = window->end_index;
     // The host names only processes of this job that have fallen silent.
@@ -190,7 +192,7 @@ class Node {
 
 }  // namespace
 
-int run_node(Transport& transport, int self, const LoadScene& load_scene, const MakeTracer& make_tracer) {
+NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene, const MakeTracer& make_tracer) {
   Node node(transport, self);
   try {
     node.introduce();
@@ -198,7 +200,7 @@ int run_node(Transport& transport, int self, const LoadScene& load_scene, const 
     if (plan.build != build_identity()) {
       std::fprintf(stderr, "rayfarm: node %d on %s is of another build than its host; it refuses to work\n",
                    self, machine_name().c_str());
-      return 1;
+      return NodeEnding::failed;
     }
     std::unique_ptr<SubpolygonTracer> tracer;
     try {
@@ -208,12 +210,12 @@ int run_node(Transport& transport, int self, const LoadScene& load_scene, const 
     }
     node.begin(plan);
     node.work(tracer.get());
-  } catch (const Finished&) {
-    return 0;
+  } catch (const Finished& finished) {
+    return finished.has_losses ? NodeEnding::finished_with_losses : NodeEnding::finished;
   } catch (const HostGone&) {
     std::fprintf(stderr, "rayfarm: node %d on %s has not heard of its host for too long and ends\n", self,
                  machine_name().c_str());
-    return 1;
+    return NodeEnding::failed;
   }
 }
 

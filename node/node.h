@@ -27,9 +27,14 @@ using LoadScene = std::function<std::span<const std::byte>()>;
 using MakeTracer =
     std::function<std::unique_ptr<SubpolygonTracer>(const JobPlan& plan, std::span<const std::byte> scene)>;
 
-/// Runs node `self` (1 … n) until the host says that the job is over. Returns the process's exit code: 0 when
-/// told to finish, 1 when the host is gone or belongs to another build (a message goes to stderr).
-int run_node(Transport& transport, int self, const LoadScene& load_scene, const MakeTracer& make_tracer);
+enum class NodeEnding {
+  finished,
+  finished_with_losses,  ///< other nodes were lost
+  failed                 ///< the host is gone or belongs to another build: a message went to stderr
+};
+
+/// Runs node `self` (1 … n) until the host says that the job is over.
+NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene, const MakeTracer& make_tracer);
 
 /// The tracer of the scene's renderer.
 std::unique_ptr<SubpolygonTracer> make_scene_tracer(const JobPlan& plan, std::span<const std::byte> scene);

@@ -179,7 +179,7 @@ Bytes encode_control(const Control& control) {
     }
     void operator()(const NodeFailed& m) const { w.text(m.problem); }
     void operator()(const EndProcess& m) const { w.u32(m.pid); }
-    void operator()(const Finish&) const {}
+    void operator()(const Finish& m) const { w.u8(m.has_losses ? 1 : 0); }
   };
   std::visit(Write{w}, control);
   return w.take();
@@ -225,7 +225,7 @@ Control decode_control(std::span<const std::byte> message) {
       control = EndProcess{r.u32()};
       break;
     case 8:
-      control = Finish{};
+      control = Finish{r.u8() != 0};
       break;
     default:
       throw ProtocolError("a control message of unknown kind");

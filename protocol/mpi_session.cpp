@@ -276,14 +276,14 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
   return result;
 }
 
-void MpiSession::finish(int code, bool must_end_hung) {
+void MpiSession::finish(int code, Parting parting) {
   std::fflush(nullptr);
-  if (must_end_hung) {
-    // Ends every process of the job, the hung ones too; with recovery switched on mpirun still returns 0.
+  if (parting == Parting::ending_the_hung) {
+    // With recovery switched on mpirun still returns 0.
     state_->watchdog.arm(10, "the job's last processes did not end");
     MPI_Abort(state_->comm, code);
   }
-  if (code != 0) end_job(code);
+  if (code != 0 || parting == Parting::without_the_lost) end_job(code);
   state_->watchdog.arm(10, "MPI did not end by itself");
   MPI_Finalize();
   state_->watchdog.disarm();

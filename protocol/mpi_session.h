@@ -20,6 +20,13 @@ class SharedBlock {
   virtual bool is_shared() const = 0;
 };
 
+/// How a process leaves its job.
+enum class Parting {
+  together,          ///< all are alive: MPI is ended properly
+  without_the_lost,  ///< some are gone, and MPI's own end would wait for them: the runtime cleans up
+  ending_the_hung    ///< hung processes are left on machines where nobody can end them: the runtime ends all
+};
+
 class MpiSession {
  public:
   /// True if this process was started by mpirun, srun or another launcher that MPI knows.
@@ -41,9 +48,8 @@ class MpiSession {
   std::unique_ptr<SharedBlock> load_data(std::span<const std::byte> block, TrafficMeter* meter,
                                          const std::function<void(const std::string&)>& warn);
 
-  /// Ends MPI and the process. A process that is lost can't hold it up; `must_end_hung` also ends hung ones
-  /// on other machines, which the runtime would wait for.
-  [[noreturn]] void finish(int code, bool must_end_hung);
+  /// Ends the process, and MPI with it.
+  [[noreturn]] void finish(int code, Parting parting);
 
  private:
   struct State;

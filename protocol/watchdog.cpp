@@ -5,9 +5,28 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 namespace rayfarm {
+namespace {
+
+/// Processes that leave without ending MPI, and those that were killed, leave its buffers in shared memory behind. A
+/// name that is gone disturbs nobody who has the memory mapped.
+void remove_shared_buffers() {
+  const char* job = std::getenv("PMIX_NAMESPACE");
+  if (!job) return;
+  char mark[32];
+  std::snprintf(mark, sizeof mark, ".%lx.", std::strtoul(job, nullptr, 10));
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm", error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("vader_segment.") && name.find(mark) != std::string::npos)
+      std::filesystem::remove(entry.path(), error);
+  }
+}
+
+}  // namespace
 
 Watchdog::Watchdog() : thread_([this] { watch(); }) {}
 
@@ -51,6 +70,7 @@ void Watchdog::watch() {
 }
 
 void end_job(int code) {
+  remove_shared_buffers();
   const char* recovery = std::getenv("OMPI_MCA_orte_enable_recovery");
   const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
   if (code != 0 && recovery && recovery[0] == '1' && rank) {

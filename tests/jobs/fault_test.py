@@ -1,0 +1,169 @@
+"""Faults injected for real: processes of a running job are killed, stopped or starved."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import time
+
+from rayfarm_job import ENVIRONMENT, Job, JobTest, RAYFARM, SCENES, main
+
+SCENE = SCENES / "primitives.yaml"
+# A few seconds of work for three nodes on two cores: enough to be hurt in the middle of it.
+HEAVY = ["--size", "480x360", "--samples", "36"]
+
+
+class LostNode(JobTest):
+    def expect_whole_frame(self, number, *arguments, rank=2, delay=0.7):
+        reference = self.render(1, SCENE, *HEAVY)["image"]["sha256_pixels"]
+        stats = self.folder / "hurt.json"
+        job = Job(4, "render", SCENE, "-o", self.folder / "hurt.png", "--stats", stats, "--progress", "none",
+                  "--node-timeout", "3", "-v", *HEAVY, *arguments)
+        job.wait_until_it_says("tracing begins")
+        time.sleep(delay)
+        job.hurt(rank, number)
+        result = job.wait()
+        self.assertEqual(result.code, 0, result.stderr)
+        told = json.loads(stats.read_text())
+        self.assertEqual(told["image"]["sha256_pixels"], reference)
+        self.assertEqual(self.leftovers(), [])
+        return told, result
+
+    def test_killed_on_demand(self):
+        self.expect_whole_frame(signal.SIGKILL)
+
+    def test_killed_interleaved(self):
+        told, result = self.expect_whole_frame(signal.SIGKILL, "--assign", "interleaved")
+        self.assertEqual(told["nodes_lost"], [2])
+        self.assertIn("node 2", result.stderr)
+        self.assertIn("lost", result.stderr)
+
+    def test_killed_on_the_pixel_wire(self):
+        self.expect_whole_frame(signal.SIGKILL, "--wire", "pixel", rank=1)
+
+    def test_segmentation_fault(self):
+        self.expect_whole_frame(signal.SIGSEGV, rank=3)
+
+    def test_hung_on_demand(self):
+        self.expect_whole_frame(signal.SIGSTOP)
+
+    def test_hung_interleaved(self):
+        told, _ = self.expect_whole_frame(signal.SIGSTOP, "--assign", "interleaved")
+        self.assertEqual(told["nodes_lost"], [2])
+
+    def test_killed_while_returning_large_blocks(self):
+        # Long messages are handed over in the middle of a kill at many moments.
+        for delay in (0.2, 0.5, 0.9):
+            self.expect_whole_frame(signal.SIGKILL, "--pixel-format", "float", delay=delay)
+
+    def test_all_nodes_killed(self):
+        job = Job(3, "render", SCENE, "-o", self.folder / "none.png", "--progress", "none", "--node-timeout", "3",
+                  "--size", "1600x1200", "--samples", "64", "-v")
+        job.wait_until_it_says("tracing begins")
+        pids = [job.pid_of_rank(1), job.pid_of_rank(2)]
+        for pid in pids:
+            os.kill(pid, signal.SIGKILL)
+        result = job.wait(40)
+        self.assertEqual(result.code, 1)
+        self.assertIn("every node is lost", result.stderr)
+        self.assertEqual(list(self.folder.glob("*.png")), [])
+
+
+class LostWhileLoading(JobTest):
+    def big_scene(self):
+        rows = 420
+        with open(self.folder / "big.obj", "w") as out:
+            for i in range(rows):
+                for j in range(rows):
+                    out.write(f"v {i} {(i * 7 + j * 3) % 5} {j}\n")
+            for i in range(rows - 1):
+                for j in range(rows - 1):
+                    a = i * rows + j + 1
+                    out.write(f"f {a} {a + 1} {a + rows}\nf {a + 1} {a + rows + 1} {a + rows}\n")
+        return self.write("big.yaml", "view: {location: [0, 50, 0], look_at: [99, 0, 99]}\nscene: [{mesh: {file: big.obj}}]\n")
+
+    def test_killed_while_loading(self):
+        scene = self.big_scene()
+        for delay in (0.0, 0.3, 0.6):
+            job = Job(4, "render", scene, "-o", self.folder / "big.png", "--progress", "none", "--size", "64x64")
+            pid = job.pid_of_rank(2)
+            time.sleep(delay)
+            os.kill(pid, signal.SIGKILL)
+            result = job.wait(40)
+            self.assertLess(result.seconds, 32)
+            if "trace" in result.stderr:  # it was late: loading was over, and the frame must be whole
+                self.assertEqual(result.code, 0, result.stderr)
+            else:
+                self.assertEqual(result.code, 1, result.stderr)
+                self.assertRegex(result.stderr, "rayfarm: .*(lost|did not start)")
+
+
+class LostHost(JobTest):
+    def test_killed_host_ends_its_nodes(self):
+        job = Job(4, "render", SCENE, "-o", self.folder / "host.png", "--progress", "none", "--size", "1600x1200",
+                  "--samples", "64", "-v")
+        job.wait_until_it_says("tracing begins")
+        pids = [job.pid_of_rank(rank) for rank in (1, 2, 3)]
+        job.hurt(0, signal.SIGKILL)
+        begin = time.monotonic()
+        while time.monotonic() < begin + 10 and any(pathlib.Path(f"/proc/{pid}").exists() for pid in pids):
+            time.sleep(0.05)
+        self.assertFalse(any(pathlib.Path(f"/proc/{pid}").exists() for pid in pids), "a node outlived its host by 10 s")
+        result = job.wait(20)
+        self.assertNotEqual(result.code, 0)
+        self.assertIn("has not heard of its host", result.stderr)
+
+
+class Interrupted(JobTest):
+    def interrupt(self, number, *command):
+        process = subprocess.Popen([*command, RAYFARM, "render", str(SCENE), "-o", str(self.folder / "f.####.png"), "--frames",
+                                    "1-50", "--size", "320x240", "--samples", "16", "--progress", "none"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
+        end = time.monotonic() + 30
+        while time.monotonic() < end and not list(self.folder.glob("f.*.png")):
+            time.sleep(0.02)
+        process.send_signal(number)
+        stderr = process.communicate(timeout=30)[1]
+        self.assertEqual([p.name for p in self.folder.iterdir() if not p.name.endswith(".png") or p.name.startswith(".")], [])
+        frames = list(self.folder.glob("f.*.png"))
+        self.assertTrue(0 < len(frames) < 50)
+        for frame in frames:
+            self.assertEqual(self.run_alone("compare", frame, frame).code, 0)
+        return process.returncode, stderr
+
+    def test_interrupt_alone(self):
+        code, stderr = self.interrupt(signal.SIGINT)
+        self.assertEqual(code, 75)
+        self.assertIn("--skip-existing", stderr)
+
+    def test_terminate_alone(self):
+        self.assertEqual(self.interrupt(signal.SIGTERM)[0], 75)
+
+    def test_interrupt_under_mpirun(self):
+        self.assertNotEqual(self.interrupt(signal.SIGINT, "mpirun", "-n", "3")[0], 0)
+
+
+class Waiting(JobTest):
+    def cpu_seconds(self, pid):
+        fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def test_host_and_idle_nodes_use_no_processor(self):
+        # Node 1 holds the only subpolygon of a tiny, heavy image; the host and the other nodes wait.
+        job = Job(4, "render", SCENE, "-o", self.folder / "wait.png", "--progress", "none", "--size", "8x8", "--samples",
+                  "1000000", "--node-timeout", "60", "-v")
+        job.wait_until_it_says("tracing begins")
+        pids = {rank: job.pid_of_rank(rank) for rank in range(4)}
+        time.sleep(1)
+        before = {rank: self.cpu_seconds(pid) for rank, pid in pids.items()}
+        time.sleep(5)
+        used = {rank: (self.cpu_seconds(pid) - before[rank]) / 5 for rank, pid in pids.items()}
+        for pid in pids.values():
+            os.kill(pid, signal.SIGKILL)
+        job.wait(30)
+        self.assertLess(used[0], 0.02, used)
+        self.assertLess(sorted(used[rank] for rank in (1, 2, 3))[0], 0.02, used)
+
+
+if __name__ == "__main__":
+    main()

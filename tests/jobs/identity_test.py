@@ -1,0 +1,93 @@
+"""The image is the same to the byte whoever renders it, however the work is cut and sent."""
+import json
+
+from rayfarm_job import JobTest, SCENES, main
+
+SMALL = ["--size", "160x120"]
+
+
+class Identity(JobTest):
+    def hashes(self, scene, *arguments, name, ranks=(1, 2, 3, 4, 8), variants):
+        found = {}
+        for n in ranks:
+            for variant in variants:
+                stats = self.render(n, scene, *arguments, *variant, name=name)
+                found[(n, *variant)] = stats["image"]["sha256_pixels"]
+        self.assertEqual(len(set(found.values())), 1, found)
+
+    def test_png_any_ranks_policy_and_wire(self):
+        self.hashes(SCENES / "primitives.yaml", *SMALL, "--samples", "4", "--sampling", "jittered", name="out.png", variants=[
+            ("--assign", policy, "--wire", wire) for policy in ("on-demand", "interleaved") for wire in ("block", "pixel")])
+
+    def test_exr_any_ranks_and_policy(self):
+        self.hashes(SCENES / "primitives.yaml", *SMALL, name="out.exr", variants=[
+            ("--assign", policy) for policy in ("on-demand", "interleaved")])
+
+    def test_corner_sampling_and_its_counts(self):
+        counts = set()
+        for ranks in (1, 2, 3, 4):
+            stats = self.render(ranks, SCENES / "primitives.yaml", *SMALL, "--sampling", "corners")
+            self.assertEqual(stats["rays"]["primary"], 161 * 121)
+            counts.add((json.dumps(stats["rays"]), stats["image"]["sha256_pixels"]))
+        self.assertEqual(len(counts), 1)
+
+    def test_compression_and_float_pixels(self):
+        self.hashes(SCENES / "primitives.yaml", *SMALL, ranks=(1, 3), name="out.png",
+                    variants=[("--compression", "zstd"), ("--compression", "none")])
+        self.hashes(SCENES / "primitives.yaml", *SMALL, "--pixel-format", "float", ranks=(1, 3), name="out.exr", variants=[()])
+
+    def test_a_crop_is_a_part_of_the_whole(self):
+        whole, part = self.folder / "whole.png", self.folder / "part.png"
+        self.render(1, SCENES / "primitives.yaml", *SMALL, name=whole.name)
+        stats = self.render(3, SCENES / "primitives.yaml", *SMALL, "--crop", "40,101,30,71", name=part.name)
+        self.assertEqual((stats["image"]["width"], stats["image"]["height"]), (61, 41))
+        self.assertEqual(self.run_alone("compare", whole, part).code, 1)  # sizes differ
+        self.render(1, SCENES / "primitives.yaml", *SMALL, "--crop", "40,101,30,71", name="alone.png")
+        self.assertEqual(self.run_alone("compare", part, self.folder / "alone.png").code, 0)
+
+    def test_more_ranks_than_cores(self):
+        self.hashes(SCENES / "primitives.yaml", *SMALL, ranks=(1, 17), name="out.png", variants=[()])
+
+
+class Animation(JobTest):
+    def test_frames_together_are_frames_alone(self):
+        scene = SCENES / "animation.yaml"
+        alone = {}
+        for frame in range(1, 25):
+            stats = self.render(1, scene, "--frames", frame, "--size", "96x72", name="one.png")
+            alone[frame] = stats["image"]["sha256_pixels"]
+        self.assertGreater(len(set(alone.values())), 20, "the animation does not move")
+        load_data = set()
+        for policy in ("on-demand", "interleaved"):
+            stats = self.render(4, scene, "--frames", "1-24", "--size", "96x72", "--assign", policy, name="all.####.png")
+            self.assertEqual({f["frame"]: f["sha256_pixels"] for f in stats["frames"]}, alone)
+            load_data.add(stats["traffic"]["load_data"]["bytes"])
+            self.assertEqual(len(list(self.folder.glob("all.*.png"))), 24)
+            if policy == "interleaved":
+                self.assertEqual(stats["traffic"]["load_display_polygon"]["messages"], 0)
+                first = [f["traced_by"][0] for f in stats["frames"]]
+                self.assertEqual(first, [1 + (i % 3) for i in range(24)], "the sets do not rotate")
+        single = self.render(4, scene, "--frames", "1", "--size", "96x72")
+        load_data.add(single["traffic"]["load_data"]["bytes"])
+        self.assertEqual(len(load_data), 1, "the scene was sent more than once")
+
+
+class Wire(JobTest):
+    def test_nine_bytes_per_pixel(self):
+        stats = self.render(3, SCENES / "primitives.yaml", *SMALL, "--wire", "pixel")
+        self.assertEqual(stats["traffic"]["bytes_per_pixel"], 9)
+        self.assertEqual(stats["traffic"]["model_bytes_per_pixel"], 9)
+        self.assertGreaterEqual(stats["traffic"]["return_result"]["messages"], 160 * 120)
+
+    def test_ten_bytes_per_assignment(self):
+        stats = self.render(3, SCENES / "primitives.yaml", *SMALL)
+        polygons = stats["traffic"]["load_display_polygon"]
+        self.assertEqual(polygons["bytes"], 10 * polygons["messages"])
+
+    def test_compressed_block_under_one_byte(self):
+        stats = self.render(3, self.asset("spd/balls.nff"), "--size", "1024x1024")
+        self.assertLess(stats["traffic"]["bytes_per_pixel"], 1.0)
+
+
+if __name__ == "__main__":
+    main()
