@@ -94,13 +94,15 @@ void Assignment::hand_out(double now) {
     for (int node = 1; node <= options_.nodes; ++node) {
       NodeState& state = node_state(node);
       if (state.is_lost || static_cast<int>(state.assigned.size()) >= round) continue;
-      const auto key = next_waiting();
-      if (!key) break;
-      // What failed at a node goes to another, if there is one.
-      if (at(*key).failed_at == node && nodes_alive() > 1) {
-        waiting_.push_back(*key);
-        continue;
+      auto key = next_waiting();
+      if (key && at(*key).failed_at == node && nodes_alive() > 1) {
+        // What failed at a node goes to another, if there is one: this node takes the next.
+        const Key failed = *key;
+        key = next_waiting();
+        waiting_.push_front(failed);
+        if (!key) continue;
       }
+      if (!key) break;
       give(node, *key, now);
     }
   for (int node = 1; node <= options_.nodes; ++node) {

@@ -204,7 +204,8 @@ class RenderCommand {
       ending.exit_code = kRenderFailure;
     }
     if (is_loaded_) ending.has_hung_nodes = end_hung_nodes(farm_.transport, result_);
-    ending.has_losses = std::any_of(result_.nodes.begin(), result_.nodes.end(), [](const NodeResult& n) { return n.is_lost; });
+    ending.has_losses = std::any_of(result_.nodes.begin(), result_.nodes.end(),
+                                    [](const NodeResult& n) { return n.is_lost; });
     farm_.transport.broadcast(Channel::control, encode_control(Finish{ending.has_losses}));
     // The last messages leave before the process does; nodes end within a poll.
     for (int i = 0; i < 20; ++i) {

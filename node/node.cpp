@@ -192,7 +192,8 @@ class Node {
 
 }  // namespace
 
-NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene, const MakeTracer& make_tracer) {
+NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene,
+                    const MakeTracer& make_tracer) {
   Node node(transport, self);
   try {
     node.introduce();

@@ -34,7 +34,8 @@ enum class NodeEnding {
 };
 
 /// Runs node `self` (1 … n) until the host says that the job is over.
-NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene, const MakeTracer& make_tracer);
+NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene,
+                    const MakeTracer& make_tracer);
 
 /// The tracer of the scene's renderer.
 std::unique_ptr<SubpolygonTracer> make_scene_tracer(const JobPlan& plan, std::span<const std::byte> scene);

@@ -118,7 +118,7 @@ struct NodeFailed {  ///< node → host: it could not load
 struct EndProcess {  ///< host → node: end a hung process of this job on your machine
   uint32_t pid = 0;
 };
-struct Finish {  ///< host → node: the job is over
+struct Finish {             ///< host → node: the job is over
   bool has_losses = false;  ///< some node is lost: ending MPI would wait for it
 };
 using Control = std::variant<Hello, Alive, SelectFrame, OpenWindow, SubpolygonDone, SubpolygonFailed,

@@ -11,8 +11,8 @@
 namespace rayfarm {
 namespace {
 
-/// Processes that leave without ending MPI, and those that were killed, leave its buffers in shared memory behind. A
-/// name that is gone disturbs nobody who has the memory mapped.
+/// Processes that leave without ending MPI, and those that were killed, leave its buffers in shared memory
+/// behind. A name that is gone disturbs nobody who has the memory mapped.
 void remove_shared_buffers() {
   const char* job = std::getenv("PMIX_NAMESPACE");
   if (!job) return;

@@ -2,6 +2,7 @@
 // is checked here before it becomes part of the scene.
 #include <tiny_obj_loader.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -40,6 +41,34 @@ int line_of_face(const std::string& text, size_t face) {
   return 0;
 }
 
+/// The library takes what it can't read for 0. Every number of a vertex or normal must be one, and finite.
+void check_numbers(const std::string& path, const std::string& text) {
+  int line = 0;
+  for (size_t begin = 0; begin < text.size();) {
+    ++line;
+    const size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view row(text.data() + begin, end - begin);
+    size_t at = row.find_first_not_of(" \t");
+    begin = end + 1;
+    if (at == std::string_view::npos || row[at] != 'v') continue;
+    const size_t space = row.find_first_of(" \t", at);
+    const std::string_view record = row.substr(at, space == std::string_view::npos ? space : space - at);
+    if (record != "v" && record != "vn") continue;
+    at += record.size();
+    for (int i = 0; i < 3; ++i) {
+      at = std::min(row.find_first_not_of(" \t\r", at), row.size());
+      const size_t stop = std::min(row.find_first_of(" \t\r", at), row.size());
+      double value = 0;
+      const auto [last, error] = std::from_chars(row.data() + at, row.data() + stop, value);
+      if (error != std::errc{} || last != row.data() + stop || !std::isfinite(value))
+        throw InputError({path, line, static_cast<int>(at) + 1},
+                         fmt::format("expected a finite number, found '{}'",
+                                     row.substr(at, std::min<size_t>(stop - at, 40))));
+      at = stop;
+    }
+  }
+}
+
 class RecordingMaterialReader : public tinyobj::MaterialReader {
  public:
   RecordingMaterialReader(std::string folder, SceneDescription& scene)
@@ -65,6 +94,7 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
                                    Smoothing smoothing, const Place& place) {
   const std::string text = read_text_file(path, limits::kFileBytes);
   scene.files.push_back(path);
+  check_numbers(path, text);
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
   std::vector<tinyobj::material_t> materials;

@@ -31,7 +31,7 @@ std::optional<double> intersect(const Polygon& polygon, std::span<const Vec3> po
     const double qu = q[static_cast<int>(ua)] - u, qv = q[static_cast<int>(va)] - v;
     if ((pv > 0) != (qv > 0)) {
       const double side = pu * qv - qu * pv;  // the crossing's u times (qv - pv)
-      if ((side > 0) == (qv > pv)) inside = !inside;
+      if (qv > pv ? side > 0 : side < 0) inside = !inside;
     }
     pu = qu;
     pv = qv;

@@ -15,7 +15,7 @@ HEAVY = ["--size", "480x360", "--samples", "36"]
 
 class LostNode(JobTest):
     def expect_whole_frame(self, number, *arguments, rank=2, delay=0.7):
-        reference = self.render(1, SCENE, *HEAVY)["image"]["sha256_pixels"]
+        reference = self.render(1, SCENE, *HEAVY, *arguments)["image"]["sha256_pixels"]
         stats = self.folder / "hurt.json"
         job = Job(4, "render", SCENE, "-o", self.folder / "hurt.png", "--stats", stats, "--progress", "none",
                   "--node-timeout", "3", "-v", *HEAVY, *arguments)

@@ -1,0 +1,79 @@
+#include "common/scene/animation.h"
+
+#include "common/hierarchy/traverser.h"
+#include "common/scene/camera.h"
+#include "tests/unit/test_scene.h"
+
+namespace rayfarm {
+namespace {
+
+TEST(Curve, LinearAndConstantOutside) {
+  const std::vector<double> frames{10, 20};
+  const std::vector<Vec4> values{Vec4(0, 1, 0, 0), Vec4(10, 3, 0, 0)};
+  EXPECT_EQ(eval_curve(Interpolation::linear, frames, values, 15), Vec4(5, 2, 0, 0));
+  EXPECT_EQ(eval_curve(Interpolation::linear, frames, values, 0), values[0]);
+  EXPECT_EQ(eval_curve(Interpolation::linear, frames, values, 99), values[1]);
+}
+
+TEST(Curve, SphericalKeepsTheLengthAndTheSpeed) {
+  const std::vector<double> frames{0, 90};
+  const std::vector<Vec4> values{Vec4(2, 0, 0, 0), Vec4(0, 0, 5, 0)};
+  for (int degrees = 0; degrees <= 90; degrees += 15) {
+    const Vec4 v = eval_curve(Interpolation::spherical, frames, values, degrees);
+    if (degrees > 0 && degrees < 90) {
+      EXPECT_NEAR(v.x, std::cos(degrees * M_PI / 180), 1e-12);
+      EXPECT_NEAR(v.z, std::sin(degrees * M_PI / 180), 1e-12);
+    }
+  }
+}
+
+TEST(Curve, RotationsTakeTheShorterArc) {
+  const auto quaternion = [](double degrees) {
+    return Vec4(0, std::sin(degrees * M_PI / 360), 0, std::cos(degrees * M_PI / 360));
+  };
+  const std::vector<double> frames{0, 1};
+  const std::vector<Vec4> values{quaternion(0), -quaternion(80)};  // q and -q are the same rotation
+  const Affine half = eval_transform(
+      TransformKind::orient, eval_curve(Interpolation::spherical_rotation, frames, values, 0.5), {}, {});
+  const Vec3 p = half.point(Vec3(1, 0, 0));
+  EXPECT_NEAR(p.x, std::cos(40 * M_PI / 180), 1e-12);
+  EXPECT_NEAR(p.z, -std::sin(40 * M_PI / 180), 1e-12);
+}
+
+TEST(Animation, RefitFindsWhatBruteForceFindsInEveryFrame) {
+  const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/animation.yaml"));
+  ASSERT_EQ(compiled.scene.head().is_animated, 1u);
+  FramePose frame_pose(compiled.scene);
+  for (const int frame : {1, 7, 24}) {
+    const Pose pose = frame_pose.at(frame);
+    const Camera camera = make_camera(compiled.scene, frame, 60, 45);
+    int hits = 0;
+    for (int y = 0; y < 45; ++y)
+      for (int x = 0; x < 60; ++x) {
+        const Ray ray = camera.ray(x + 0.5, y + 0.5);
+        const Hit fast = closest_hit(compiled.scene, pose, ray),
+                  slow = closest_hit_brute_force(compiled.scene, pose, ray);
+        ASSERT_EQ(fast.t, slow.t);
+        ASSERT_EQ(fast.instance, slow.instance);
+        hits += fast.is_hit() && fast.instance > 0 ? 1 : 0;
+      }
+    EXPECT_GT(hits, 50);
+  }
+}
+
+TEST(Camera, FieldOfViewSpansTheWidthAndPixelsAreSquare) {
+  const CompiledScene compiled = compile(
+      test::load_yaml("view: {location: [0, 0, 0], direction: [0, 0, -2], field_of_view: 90}\nscene: []\n"));
+  const Camera camera = make_camera(compiled.scene, 0, 200, 100);
+  const Vec3 left = camera.ray(0, 50).direction, top = camera.ray(100, 0).direction;
+  EXPECT_NEAR(left.x / left.z, 1, 1e-12);  // 45° to the left: x = z, both negative
+  EXPECT_NEAR(top.y / -top.z, 0.5, 1e-12);
+  EXPECT_THROW(
+      make_camera(
+          compile(test::load_yaml("view: {location: [0, 0, 0], direction: [0, 1, 0]}\nscene: []\n")).scene, 0,
+          4, 4),
+      std::domain_error);
+}
+
+}  // namespace
+}  // namespace rayfarm

@@ -1,0 +1,257 @@
+// Analytic answers: what Equations 2.4 and 2.12 give where they can be worked out by hand.
+#include "common/lighting/render.h"
+#include "common/math/portable_math.h"
+#include "common/sampling/pixel_sampler.h"
+#include "tests/unit/test_scene.h"
+
+namespace rayfarm {
+namespace {
+
+struct World {
+  explicit World(const std::string& text)
+      : compiled(compile(test::load_yaml(text))), frame_pose(compiled.scene), pose(frame_pose.at(0)) {}
+  Color trace(const Vec3& origin, const Vec3& direction) {
+    return trace_eye_ray(compiled.scene, pose, settings, {origin, normalized(direction)}, counts);
+  }
+  CompiledScene compiled;
+  FramePose frame_pose;
+  Pose pose;
+  RenderSettings settings;
+  RayCounts counts;
+};
+
+void expect_color(const Color& a, const Color& b, double tolerance = 1e-12) {
+  EXPECT_NEAR(a.x, b.x, tolerance);
+  EXPECT_NEAR(a.y, b.y, tolerance);
+  EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+TEST(Lighting, PhongTermsOnAPlane) {
+  // Light at 45° over the point, viewer straight above: I = C (ka Ia + kd I cos 45°) + ks I cos(45°)^n.
+  World world(test::view_text() + R"(
+ambient: 0.5
+lights: [{position: [3, 3, 0], color: [0.9, 0.8, 0.7]}]
+materials: {m: {color: [1, 0.5, 0.25], ambient: 0.2, diffuse: 0.6, specular: 0.3, shininess: 4}}
+scene: [{material: m, polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]]}}]
+)");
+  const double c = std::sqrt(0.5);
+  const Color light(0.9, 0.8, 0.7),
+      expected = Color(1, 0.5, 0.25) * (Color(0.1) + 0.6 * c * light) + 0.3 * 0.25 * light;
+  expect_color(world.trace(Vec3(0, 5, 0), Vec3(0, -1, 0)), expected);
+  expect_color(world.trace(Vec3(0, -5, 0), Vec3(0, 1, 0)), Color(1, 0.5, 0.25) * 0.1);  // the unlit side
+}
+
+TEST(Lighting, ShadowsBlockFully) {
+  World world(test::view_text() + R"(
+ambient: 0
+lights: [{position: [0, 10, 0]}]
+scene:
+  - {polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]]}}
+  - {sphere: {center: [0, 5, 0], radius: 1}}
+)");
+  expect_color(world.trace(Vec3(0.5, 2, 0), Vec3(0, -1, 0)), Color(0));
+  EXPECT_GT(world.trace(Vec3(8, 2, 0), Vec3(0, -1, 0)).x, 0.1);
+}
+
+TEST(Lighting, MirrorsHaveTheirDepthAndWeightLimits) {
+  // Two facing mirrors of .5 with ambient 1: at depth d the sum of 1 + 1/2 + … has d terms.
+  World world(test::view_text() + R"(
+background: 0
+materials: {m: {ambient: 1, diffuse: 0, reflect: 0.5}}
+scene:
+  - {material: m, polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]]}}
+  - {material: m, polygon: {points: [[-9, 2, 9], [9, 2, 9], [9, 2, -9], [-9, 2, -9]]}}
+)");
+  for (uint32_t depth = 1; depth <= 6; ++depth) {
+    world.settings.max_depth = depth;
+    expect_color(world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)), Color(2 - std::pow(0.5, depth - 1)));
+  }
+  world.settings.max_depth = 50;
+  world.settings.min_weight = 0.2;  // .5 and .25 pass, .125 does not: three terms
+  expect_color(world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)), Color(1.75));
+  world.settings.lighting = LightingModel::phong;
+  expect_color(world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)), Color(1));
+}
+
+TEST(Lighting, RefractionFollowsSnell) {
+  // Through a slab of index 1.5 a ray leaves parallel, shifted; it meets a wall whose colour tells where.
+  const double angle = M_PI / 3;  // in air; inside asin(sin 60° / 1.5)
+  const double inside = std::asin(std::sin(angle) / 1.5);
+  const double x =
+      std::tan(angle) + std::tan(inside) + std::tan(angle);  // one unit above, in, and below the slab
+  for (const double offset : {-1e-6, 1e-6}) {
+    std::string text = test::view_text() + R"(
+background: 0
+materials:
+  glass: {ambient: 0, diffuse: 0, transmit: 1, index: 1.5}
+  wall: {ambient: 1, diffuse: 0}
+scene:
+  - {material: glass, box: {min: [-50, 0, -50], max: [50, 1, 50]}}
+  - {material: wall, polygon: {points: [[EDGE, -1, -9], [EDGE, -1, 9], [99, -1, 9], [99, -1, -9]]}}
+)";
+    const std::string edge = fmt::format("{:.15f}", x + offset);
+    for (size_t at; (at = text.find("EDGE")) != std::string::npos;) text.replace(at, 4, edge);
+    World edged(text);
+    expect_color(edged.trace(Vec3(0, 2, 0), Vec3(std::sin(angle), -std::cos(angle), 0)),
+                 Color(offset < 0 ? 1 : 0));
+  }
+}
+
+TEST(Lighting, TotalInternalReflectionTakesTheTransmittedShare) {
+  // From inside glass at 60° (critical angle 41.8°) to a face: all of T goes along the mirror direction.
+  World world(test::view_text() + R"(
+background: [0.25, 0.5, 1]
+materials: {glass: {ambient: 0, diffuse: 0, transmit: 0.9, index: 1.5}}
+scene: [{material: glass, polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]]}}]
+)");
+  expect_color(world.trace(Vec3(0, -1, 0), Vec3(std::sin(M_PI / 3), std::cos(M_PI / 3), 0)),
+               0.9 * Color(0.25, 0.5, 1));
+  EXPECT_EQ(world.counts.transmitted, 0u);
+  EXPECT_EQ(world.counts.reflected, 1u);
+}
+
+class SceneScale : public testing::TestWithParam<double> {};
+
+TEST_P(SceneScale, NeitherAcneNorLeaks) {
+  // Convex bodies lit from the viewer's side: no point that faces the light is shadowed by its own body,
+  // whatever the scale, also far from the origin. And inside closed bodies with a light outside nothing is
+  // lit.
+  const double s = GetParam();
+  std::mt19937 random(8);
+  for (const double shift : {0.0, 300.0}) {
+    SceneDescription scene;
+    scene.files = {"acne"};
+    scene.materials.push_back({.name = "m", .ambient = 0, .diffuse = 1});
+    scene.objects.push_back({"root", {}, {}, {}});
+    const Vec3 at = Vec3(shift, -0.7 * shift, 0.3 * shift) * s;
+    auto& primitives = scene.objects[0].primitives;
+    primitives.push_back({SphereShape{at + Vec3(0, 0, 0) * s, s}, 0, {}});
+    primitives.push_back(
+        {ConeShape{at + Vec3(4, -1, 0) * s, at + Vec3(4, 1, 0.5) * s, 0.8 * s, 0.2 * s}, 0, {}});
+    primitives.push_back({QuadricShape{{1, 2, 1.5, 0.1, 0, 0, 0, 0, 0, -s * s}, {}}, 0, {}});
+    scene.objects.push_back({"moved", {primitives[2]}, {}, {}});
+    primitives.pop_back();
+    scene.objects[0].children.push_back(
+        {1, {{TransformKind::translate, constant_curve(Vec4(at + Vec3(8, 0, 0) * s, 0)), {}, {}}}, {}});
+    const Vec3 eye = at + Vec3(4, 1, 30) * s;
+    scene.lights.push_back({eye, Color(1)});
+    const CompiledScene compiled = compile(scene);
+    FramePose frame_pose(compiled.scene);
+    const Pose pose = frame_pose.at(0);
+    int hits = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3 target = at + Vec3(test::uniform(random, -1, 9), test::uniform(random, -1.2, 1.2), 0) * s;
+      const Ray ray{eye, normalized(target - eye)};
+      const Hit hit = closest_hit(compiled.scene, pose, ray);
+      if (!hit.is_hit()) continue;
+      ++hits;
+      const Surface surface = eval_surface(compiled.scene, pose, ray, hit);
+      const Vec3 origin = surface.ray_origin(eye - surface.p);
+      EXPECT_FALSE(any_hit(compiled.scene, pose, {origin, eye - origin, 1}))
+          << "acne at scale " << s << ", shift " << shift;
+      const Vec3 inward = surface.ray_origin(-surface.geometric_normal);
+      if (hit.primitive.kind() == PrimitiveKind::sphere) {
+        EXPECT_TRUE(any_hit(compiled.scene, pose, {inward, normalized(test::random_point(random, 1))}))
+            << "a leak";
+      }
+      if (HasFailure()) return;
+    }
+    EXPECT_GT(hits, 5000);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, SceneScale, testing::Values(1e-3, 1.0, 1e3, 1e6));
+
+TEST(Lighting, MeshesOfAnyScaleShadowThemselvesOnlyWhereTheyShould) {
+  for (const double s : {1e-3, 1.0, 1e6}) {
+    SceneDescription scene;
+    scene.files = {"mesh"};
+    scene.materials.push_back({.name = "m"});
+    scene.objects.push_back({"root", {}, {}, {}});
+    MeshShape mesh;  // a convex octahedron
+    for (const Vec3& v :
+         {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)})
+      mesh.positions.emplace_back(s * (v + Vec3(10, 20, 30)));
+    for (const auto& t : {glm::uvec3(0, 2, 4), glm::uvec3(2, 1, 4), glm::uvec3(1, 3, 4), glm::uvec3(3, 0, 4),
+                          glm::uvec3(2, 0, 5), glm::uvec3(1, 2, 5), glm::uvec3(3, 1, 5), glm::uvec3(0, 3, 5)})
+      mesh.triangles.push_back(t);
+    scene.objects[0].primitives.push_back({mesh, 0, {}});
+    const CompiledScene compiled = compile(scene);
+    FramePose frame_pose(compiled.scene);
+    const Pose pose = frame_pose.at(0);
+    std::mt19937 random(4);
+    const Vec3 center = s * Vec3(10, 20, 30);
+    for (int i = 0; i < 5000; ++i) {
+      const Vec3 eye = center + s * 5.0 * normalized(test::random_point(random, 1));
+      const Ray ray{eye, normalized(center + s * test::random_point(random, 0.4) - eye)};
+      const Hit hit = closest_hit(compiled.scene, pose, ray);
+      if (!hit.is_hit()) continue;
+      const Surface surface = eval_surface(compiled.scene, pose, ray, hit);
+      const Vec3 origin = surface.ray_origin(eye - surface.p);
+      ASSERT_FALSE(any_hit(compiled.scene, pose, {origin, eye - origin, 1}));
+      const Vec3 inside = surface.ray_origin(-surface.geometric_normal);
+      ASSERT_TRUE(closest_hit(compiled.scene, pose, {inside, -surface.geometric_normal}).is_hit());
+    }
+  }
+}
+
+TEST(Sampling, StrataAndJitter) {
+  EXPECT_EQ(make_strata(12).columns, 4u);
+  EXPECT_EQ(make_strata(12).rows, 3u);
+  RenderSettings settings;
+  settings.samples = 1;
+  const Vec2 center = sample_place(settings, make_strata(1), 0, 5, 6, 0);
+  EXPECT_EQ(center, Vec2(0.5, 0.5));
+  settings.sampling = SamplingPattern::jittered;
+  settings.samples = 16;
+  const Strata strata = make_strata(16);
+  Vec2 mean(0);
+  for (int pixel = 0; pixel < 1000; ++pixel)
+    for (uint32_t i = 0; i < 16; ++i) {
+      const Vec2 p = sample_place(settings, strata, 3, pixel, 7, i);
+      EXPECT_EQ(static_cast<uint32_t>(p.x * 4), i % 4);
+      EXPECT_EQ(static_cast<uint32_t>(p.y * 4), i / 4);
+      mean += p;
+    }
+  EXPECT_NEAR(mean.x / 16000, 0.5, 0.002);
+  EXPECT_NEAR(mean.y / 16000, 0.5, 0.002);
+  EXPECT_NE(random_pair(1, 0, 0, 0, 0, RandomDimension::screen),
+            random_pair(1, 1, 0, 0, 0, RandomDimension::screen));
+}
+
+TEST(Render, CornersAreSharedAndCountedOnce) {
+  const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/primitives.yaml"));
+  FramePose frame_pose(compiled.scene);
+  const Pose pose = frame_pose.at(0);
+  RenderSettings settings;
+  settings.width_px = settings.height_px = 24;
+  settings.crop = {0, 0, 24, 24};
+  settings.sampling = SamplingPattern::corners;
+  const Camera camera = make_camera(compiled.scene, 0, 24, 24);
+  const auto render = [&](const PixelRect& rect) {
+    return render_rect(compiled.scene, pose, camera, settings, 0, rect, [] {});
+  };
+  const RenderedPixels whole = render(settings.crop);
+  EXPECT_EQ(whole.counts.primary, 25u * 25u);
+  RayCounts sum;
+  for (const PixelRect& rect : {PixelRect{0, 0, 10, 24}, PixelRect{10, 0, 24, 9}, PixelRect{10, 9, 24, 24}}) {
+    const RenderedPixels part = render(rect);
+    sum += part.counts;
+    for (int y = rect.y0; y < rect.y1; ++y)
+      EXPECT_TRUE(std::equal(part.pixels.begin() + (y - rect.y0) * rect.width() * 6,
+                             part.pixels.begin() + (y - rect.y0 + 1) * rect.width() * 6,
+                             whole.pixels.begin() + (y * 24 + rect.x0) * 6));
+  }
+  EXPECT_EQ(sum, whole.counts);
+}
+
+TEST(PixelFormat, SrgbThereAndBack) {
+  for (int i = 0; i < 256; ++i) EXPECT_EQ(encode_srgb8(decode_srgb8(static_cast<uint8_t>(i))), i);
+  EXPECT_EQ(encode_srgb8(-1), 0);
+  EXPECT_EQ(encode_srgb8(7), 255);
+  EXPECT_EQ(encode_srgb8(std::nan("")), 0);
+  EXPECT_EQ(encode_srgb8(0.5), 188);  // IEC 61966-2-1: 1.055 · 0.5^(1/2.4) - 0.055 = 0.7354
+}
+
+}  // namespace
+}  // namespace rayfarm

@@ -1,0 +1,181 @@
+#include <random>
+
+#include "protocol/block_codec.h"
+#include "protocol/build_identity.h"
+#include "protocol/job_plan.h"
+#include "protocol/local_transport.h"
+#include "tests/unit/test_scene.h"
+
+namespace rayfarm {
+namespace {
+
+TEST(CommandWord, TwoBitsOfCodeFourteenOfProcessor) {
+  EXPECT_EQ(encode_word({Command::load_code, 0}), 0x0000);
+  EXPECT_EQ(encode_word({Command::load_data, 1}), 0x4001);
+  EXPECT_EQ(encode_word({Command::load_display_polygon, 0x1234}), 0x9234);
+  EXPECT_EQ(encode_word({Command::return_result, kAllProcessors}), 0xffff);
+  for (unsigned bits = 0; bits < 65536; bits += 37)
+    EXPECT_EQ(encode_word(decode_word(static_cast<uint16_t>(bits))), bits);
+  EXPECT_THROW(encode_word({Command::load_code, 16384}), ProtocolError);
+}
+
+TEST(Messages, SizesAreTheThesiss) {
+  EXPECT_EQ(encode_display_polygon(3, {0, 0, 65535, 65535}).size(), 10u);
+  ByteWriter writer;
+  append_pixel(5, {65535, 1, {1, 2, 3}}, writer);
+  EXPECT_EQ(writer.size(), 9u);
+  EXPECT_EQ(encode_load_code(Bytes(8)).size(), 2u + 4 + 4 + 8);
+}
+
+TEST(Messages, ThereAndBack) {
+  const DisplayPolygon polygon{1, 2, 300, 65535};
+  EXPECT_EQ(decode_display_polygon(encode_display_polygon(7, polygon)), polygon);
+  const SubpolygonReport report{12, 34, {1, 200, 30000, 4000000, 1ull << 60}, 123456};
+  const Bytes pixels{std::byte{1}, std::byte{2}, std::byte{3}};
+  const Bytes bytes = encode_block(9, {report, true, pixels});
+  const BlockResult back = decode_block(bytes);
+  EXPECT_EQ(back.report.rays, report.rays);
+  EXPECT_EQ(back.report.busy_us, 123456u);
+  EXPECT_TRUE(back.is_compressed);
+  EXPECT_EQ(Bytes(back.pixels.begin(), back.pixels.end()), pixels);
+  const Control hello = decode_control(encode_control(Hello{"machine", 42, "build"}));
+  EXPECT_EQ(std::get<Hello>(hello).machine, "machine");
+  EXPECT_EQ(std::get<Hello>(hello).pid, 42u);
+  EXPECT_EQ(std::get<SubpolygonFailed>(decode_control(encode_control(SubpolygonFailed{1, 2, "why"}))).problem,
+            "why");
+  Bytes data;
+  const Bytes payload(128, std::byte{7});
+  encode_load_data({640, payload}, data);
+  EXPECT_EQ(decode_load_data(data).address, 640u);
+  EXPECT_EQ(decode_load_data(data).payload.size(), 128u);
+  EXPECT_THROW(encode_load_data({1, payload}, data), ProtocolError);
+  JobPlan plan;
+  plan.build = "b";
+  plan.frames = {3, 1, 2};
+  plan.wire = Wire::pixel;
+  plan.grid = make_grid(0, 0, 640, 480, 3);
+  plan.processors = 3;
+  plan.settings = payload;
+  const JobPlan plan_back = decode_plan(decode_load_code(encode_load_code(encode_plan(plan))));
+  EXPECT_EQ(plan_back.frames, plan.frames);
+  EXPECT_EQ(plan_back.wire, Wire::pixel);
+  EXPECT_EQ(plan_back.grid.columns, plan.grid.columns);
+  EXPECT_EQ(plan_back.settings, payload);
+}
+
+TEST(Messages, RandomBytesAreRefusedNeverReadBeyond) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 20000; ++i) {
+    Bytes bytes(random() % 40);
+    for (std::byte& b : bytes) b = static_cast<std::byte>(random());
+    const auto attempt = [](auto decode) {
+      try {
+        decode();
+      } catch (const ProtocolError&) {
+      }
+    };
+    attempt([&] { decode_control(bytes); });
+    attempt([&] { decode_block(bytes); });
+    attempt([&] { decode_display_polygon(bytes); });
+    attempt([&] { decode_load_code(bytes); });
+    attempt([&] { decode_load_data(bytes); });
+    attempt([&] { decode_plan(bytes); });
+    attempt([&] { decompress_rgb8(bytes, 4, 3); });
+  }
+}
+
+TEST(BlockCodec, LosslessForAnyContentAndSize) {
+  std::mt19937 random(2);
+  for (const auto& [width, height] :
+       {std::pair{1, 1}, std::pair{1, 17}, std::pair{64, 64}, std::pair{91, 90}}) {
+    Bytes noise(static_cast<size_t>(3 * width * height)), smooth(noise.size());
+    for (size_t i = 0; i < noise.size(); ++i) {
+      noise[i] = static_cast<std::byte>(random());
+      smooth[i] = static_cast<std::byte>((i / 3) % static_cast<size_t>(width) + 40 * (i % 3));
+    }
+    EXPECT_EQ(decompress_rgb8(compress_rgb8(noise, width, height), width, height), noise);
+    const Bytes compressed = compress_rgb8(smooth, width, height);
+    EXPECT_EQ(decompress_rgb8(compressed, width, height), smooth);
+    if (width == 91) {
+      EXPECT_LT(compressed.size(), smooth.size() / 50);
+    }
+    EXPECT_THROW(decompress_rgb8(compressed, width + 1, height), ProtocolError);
+  }
+}
+
+TEST(Grid, CoversEveryPixelOnce) {
+  for (const auto& [width, height, processors] :
+       {std::tuple{640, 480, 3}, std::tuple{7, 5, 8}, std::tuple{513, 9, 2}, std::tuple{1024, 1024, 32},
+        std::tuple{8, 8, 1}}) {
+    const SubpolygonGrid grid = make_grid(10, 20, width, height, processors);
+    std::vector<int> covered(static_cast<size_t>(width * height));
+    for (int s = 0; s < grid.count(); ++s) {
+      const DisplayPolygon p = grid.polygon(s);
+      EXPECT_EQ(grid.find(p), s);
+      for (int y = p.top; y <= p.bottom; ++y)
+        for (int x = p.left; x <= p.right; ++x) ++covered[static_cast<size_t>((y - 20) * width + x - 10)];
+      if (width >= 8 && height >= 8) {
+        EXPECT_GE(std::min(p.right - p.left, p.bottom - p.top), 7);
+      }
+    }
+    EXPECT_EQ(std::count(covered.begin(), covered.end(), 1), width * height);
+    EXPECT_EQ(grid.find({11, 20, 12, 21}), -1);
+  }
+  const SubpolygonGrid large = make_grid(0, 0, 4096, 4096, 16);
+  EXPECT_NEAR(large.count(), 64 * 16, 64 * 2);
+  EXPECT_EQ(make_grid(0, 0, 65536, 65536, 1).polygon(63).right, 65535);
+}
+
+TEST(Interleaved, EvenSpreadAndRotating) {
+  for (const int processors : {1, 2, 3, 8, 13}) {
+    const SubpolygonGrid grid = make_grid(0, 0, 1024, 1024, processors);
+    for (int frame = 0; frame < 3; ++frame) {
+      std::vector<int> owners(static_cast<size_t>(grid.count()), -1);
+      for (int p = 0; p < processors; ++p)
+        for (const int s : interleaved_set(grid, processors, frame, p)) owners[static_cast<size_t>(s)] = p;
+      EXPECT_EQ(std::count(owners.begin(), owners.end(), -1), 0);
+      for (int p = 0; p < processors; ++p)
+        EXPECT_NEAR(static_cast<double>(std::count(owners.begin(), owners.end(), p)),
+                    double(grid.count()) / processors, 2);
+      for (int s = 0; s < grid.count(); ++s)
+        EXPECT_EQ(interleaved_owner(grid, processors, frame + 1, s),
+                  (owners[static_cast<size_t>(s)] + 1) % processors);
+      if (processors > 2)  // no column belongs to one processor
+        for (int column = 0; column < grid.columns; ++column) {
+          bool differs = false;
+          for (int row = 1; row < grid.rows; ++row)
+            differs = differs || owners[static_cast<size_t>(row * grid.columns + column)] !=
+                                     owners[static_cast<size_t>(column)];
+          EXPECT_TRUE(differs);
+        }
+    }
+  }
+}
+
+TEST(LocalTransport, OrderAndMeter) {
+  const auto ends = make_local_transports(2);
+  ends[0]->send(1, SelectFrame{5});
+  ends[0]->send(1, Channel::command, encode_display_polygon(0, {0, 0, 7, 7}));
+  ends[0]->broadcast(Channel::command, encode_load_code(Bytes(4)));
+  EXPECT_EQ(std::get<SelectFrame>(decode_control(ends[1]->try_receive()->bytes)).frame, 5u);
+  EXPECT_EQ(command_of(ends[1]->try_receive()->bytes), Command::load_display_polygon);
+  EXPECT_EQ(command_of(ends[2]->try_receive()->bytes), Command::load_code);
+  EXPECT_FALSE(ends[2]->try_receive());
+  ByteWriter pixels;
+  for (uint16_t x = 0; x < 10; ++x) append_pixel(1, {x, 0, {}}, pixels);
+  ends[2]->send(kHost, Channel::pixels, pixels.take());
+  EXPECT_EQ(ends[0]->try_receive()->source, 2);
+  const TrafficMeter& meter = *ends[0]->meter();
+  EXPECT_EQ(meter.total(Command::load_code).messages, 1u) << "a broadcast is one message on the net";
+  EXPECT_EQ(meter.total(Command::load_display_polygon).bytes, 10u);
+  EXPECT_EQ(meter.total(Command::return_result).messages, 10u);
+  EXPECT_EQ(meter.total(Command::return_result).bytes, 90u);
+  EXPECT_EQ(meter.of_node(2, Direction::to_host).bytes, 90u);
+}
+
+TEST(BuildIdentity, IsThere) {
+  EXPECT_EQ(build_identity().size(), 40u);
+}
+
+}  // namespace
+}  // namespace rayfarm

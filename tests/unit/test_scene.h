@@ -1,0 +1,88 @@
+#pragma once
+// Scenes that unit tests make, and random rays through them.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "common/scene/compile.h"
+
+namespace rayfarm::test {
+
+inline std::string write_temporary(const std::string& name, const std::string& text) {
+  const auto folder = std::filesystem::temp_directory_path() / ("rayfarm-unit-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const std::string path = (folder / name).string();
+  std::ofstream(path) << text;
+  return path;
+}
+
+inline std::string view_text() {
+  return "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\n";
+}
+
+inline SceneDescription load_yaml(const std::string& text) {
+  return load_scene(write_temporary("scene.yaml", text));
+}
+
+/// The message of the InputError that loading and compiling the text ends in; "" if there is none.
+inline std::string error_of(const std::string& text, const std::string& name = "scene.yaml") {
+  try {
+    compile(load_scene(write_temporary(name, text)));
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+inline double uniform(std::mt19937& random, double low, double high) {
+  // Not std::uniform_real_distribution: its sequence is the library's own.
+  return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
+}
+
+inline Vec3 random_point(std::mt19937& random, double size) {
+  const double x = uniform(random, -size, size), y = uniform(random, -size, size);
+  return {x, y, uniform(random, -size, size)};
+}
+
+/// A description with one object of every primitive kind, many of them, scaled by `scale`.
+inline SceneDescription make_mixed_scene(uint32_t seed, double scale, size_t count) {
+  std::mt19937 random(seed);
+  SceneDescription scene;
+  scene.files = {"mixed"};
+  scene.materials.push_back({.name = "default"});
+  scene.objects.push_back({"root", {}, {}, {}});
+  auto& primitives = scene.objects[0].primitives;
+  for (size_t i = 0; i < count; ++i) {
+    const Vec3 p = random_point(random, scale);
+    const double r = scale * uniform(random, 0.02, 0.15);
+    switch (i % 5) {
+      case 0:
+        primitives.push_back({SphereShape{p, r}, 0, {}});
+        break;
+      case 1:
+        primitives.push_back({ConeShape{p, p + random_point(random, 3 * r), r, 0.4 * r}, 0, {}});
+        break;
+      case 2: {  // a planar pentagon, concave
+        const Vec3 u = random_point(random, r), v = glm::cross(u, random_point(random, 1));
+        const Vec3 w = v * (glm::length(u) / std::max(1e-30, glm::length(v)));
+        primitives.push_back(
+            {PolygonShape{{p + u, p + w, p - u, p - 0.2 * u - 0.3 * w, p - 0.5 * w}, {}, Smoothing::flat},
+             0,
+             {}});
+        break;
+      }
+      default:
+        primitives.push_back(
+            {PolygonShape{
+                 {p, p + random_point(random, 2 * r), p + random_point(random, 2 * r)}, {}, Smoothing::flat},
+             0,
+             {}});
+    }
+  }
+  return scene;
+}
+
+}  // namespace rayfarm::test

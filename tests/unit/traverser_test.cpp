@@ -1,0 +1,151 @@
+// The hierarchy against brute force, on every SIMD target that this machine can run.
+#include "common/hierarchy/traverser.h"
+
+#include "tests/unit/test_scene.h"
+
+namespace rayfarm {
+namespace {
+
+Ray random_ray(std::mt19937& random, double scale) {
+  const Vec3 origin = test::random_point(random, 2 * scale);
+  Vec3 direction = test::random_point(random, 1);
+  const uint32_t kind = random() % 8;
+  if (kind == 0) direction = Vec3(0, 0, random() % 2 ? 1 : -1);  // along an axis
+  if (kind == 1) direction.x = 0;                                // in a plane
+  return {origin, normalized(direction)};
+}
+
+void expect_same(const Hit& a, const Hit& b) {
+  EXPECT_EQ(a.is_hit(), b.is_hit());
+  if (!a.is_hit() || !b.is_hit()) return;
+  EXPECT_EQ(a.t, b.t);
+  EXPECT_EQ(a.instance, b.instance);
+  EXPECT_EQ(a.primitive, b.primitive);
+}
+
+void compare_with_brute_force(const CompiledScene& compiled, double scale, int rays) {
+  FramePose frame_pose(compiled.scene);
+  const Pose pose = frame_pose.at(0);
+  std::mt19937 random(7);
+  int hits = 0;
+  for (int i = 0; i < rays; ++i) {
+    Ray ray = random_ray(random, scale);
+    const Hit slow = closest_hit_brute_force(compiled.scene, pose, ray);
+    expect_same(closest_hit(compiled.scene, pose, ray), slow);
+    EXPECT_EQ(any_hit(compiled.scene, pose, ray), slow.is_hit());
+    hits += slow.is_hit() ? 1 : 0;
+    if (slow.is_hit()) {  // nothing lies in front of the closest hit
+      ray.t_max = slow.t;
+      EXPECT_FALSE(any_hit(compiled.scene, pose, ray));
+    }
+    if (testing::Test::HasFailure()) FAIL() << "ray " << i;
+  }
+  EXPECT_GT(hits, 30);
+}
+
+class Scales : public testing::TestWithParam<double> {};
+
+TEST_P(Scales, MixedSceneAgreesWithBruteForce) {
+  compare_with_brute_force(compile(test::make_mixed_scene(3, GetParam(), 400)), GetParam(), 4000);
+}
+
+INSTANTIATE_TEST_SUITE_P(, Scales, testing::Values(1e-3, 1.0, 1e6));
+
+TEST(Traverser, WithoutClippingAndWithTinyLeaves) {
+  for (const BuildOptions& options : {BuildOptions{1, true}, BuildOptions{8, false}, BuildOptions{30, true}})
+    compare_with_brute_force(compile(test::make_mixed_scene(4, 1, 300), options), 1, 1500);
+}
+
+TEST(Traverser, InstancesUnderTransforms) {
+  SceneDescription scene = test::make_mixed_scene(5, 1, 60);
+  scene.objects.push_back({"many", {}, {}, {}});
+  scene.root = 1;
+  std::mt19937 random(11);
+  for (int i = 0; i < 40; ++i) {
+    ChildDescription child{0, {}, {}};
+    child.transform.push_back(
+        {TransformKind::scale, constant_curve(Vec4(Vec3(0.2, 0.3, 0.15) + 0.1 * Vec3(i % 3), 0)), {}, {}});
+    child.transform.push_back({TransformKind::rotate,
+                               constant_curve(Vec4(37.0 * i, 0, 0, 0)),
+                               normalized(test::random_point(random, 1)),
+                               {}});
+    child.transform.push_back(
+        {TransformKind::translate, constant_curve(Vec4(test::random_point(random, 3), 0)), {}, {}});
+    scene.objects[1].children.push_back(child);
+  }
+  compare_with_brute_force(compile(scene), 3, 3000);
+}
+
+TEST(Traverser, EverySimdTargetGivesTheSameBits) {
+  const CompiledScene compiled = compile(test::make_mixed_scene(6, 1, 500));
+  FramePose frame_pose(compiled.scene);
+  const Pose pose = frame_pose.at(0);
+  const std::vector<std::string> targets = simd_targets();
+  ASSERT_FALSE(targets.empty());
+  std::vector<std::vector<Hit>> hits;
+  for (const std::string& target : targets) {
+    force_simd_target(target);
+    std::mt19937 random(9);
+    hits.emplace_back();
+    for (int i = 0; i < 5000; ++i)
+      hits.back().push_back(closest_hit(compiled.scene, pose, random_ray(random, 1)));
+  }
+  force_simd_target("");
+  for (size_t target = 1; target < hits.size(); ++target)
+    for (size_t i = 0; i < hits[0].size(); ++i) {
+      expect_same(hits[target][i], hits[0][i]);
+      EXPECT_EQ(hits[target][i].u, hits[0][i].u);
+    }
+}
+
+TEST(Traverser, NoRayLeaksThroughTheEdgesOfAClosedMesh) {
+  // A bumpy sphere of latitudes and longitudes; from inside, every ray must hit, also those aimed at vertices
+  // and at the middles of edges.
+  constexpr int kRows = 24, kColumns = 48;
+  SceneDescription scene;
+  scene.files = {"closed"};
+  scene.materials.push_back({.name = "default"});
+  scene.objects.push_back({"mesh", {}, {}, {}});
+  MeshShape mesh;
+  for (int i = 0; i <= kRows; ++i)
+    for (int j = 0; j < kColumns; ++j) {
+      const double theta = M_PI * i / kRows, phi = 2 * M_PI * j / kColumns;
+      const double r = 1 + 0.1 * std::sin(5 * phi) * std::sin(3 * theta) * std::sin(theta);
+      mesh.positions.emplace_back(
+          i == 0 || i == kRows
+              ? Vec3(0, i == 0 ? 1 : -1, 0)
+              : r * Vec3(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)));
+    }
+  for (int i = 0; i < kRows; ++i)
+    for (int j = 0; j < kColumns; ++j) {
+      const auto at = [&](int row, int column) {
+        return static_cast<uint32_t>(row * kColumns + column % kColumns);
+      };
+      mesh.triangles.emplace_back(at(i, j), at(i + 1, j), at(i, j + 1));
+      mesh.triangles.emplace_back(at(i, j + 1), at(i + 1, j), at(i + 1, j + 1));
+    }
+  const std::vector<glm::vec3> positions = mesh.positions;
+  const std::vector<glm::uvec3> triangles = mesh.triangles;
+  scene.objects[0].primitives.push_back({mesh, 0, {}});
+  const CompiledScene compiled = compile(scene);
+  EXPECT_EQ(compiled.degenerate_dropped, 2u * kColumns);
+  FramePose frame_pose(compiled.scene);
+  const Pose pose = frame_pose.at(0);
+  std::mt19937 random(2);
+  for (const glm::uvec3& t : triangles)
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 a(positions[t[k]]), b(positions[t[(k + 1) % 3]]);
+      const Vec3 origin = test::random_point(random, 0.2);
+      for (const Vec3& target : {a, 0.5 * (a + b), a + 0.3 * (b - a)})
+        EXPECT_TRUE(closest_hit(compiled.scene, pose, {origin, normalized(target - origin)}).is_hit());
+    }
+}
+
+TEST(Traverser, EmptySceneHitsNothing) {
+  const CompiledScene compiled = compile(test::load_yaml(test::view_text() + "scene: []\n"));
+  FramePose frame_pose(compiled.scene);
+  EXPECT_FALSE(closest_hit(compiled.scene, frame_pose.at(0), {Vec3(0), Vec3(0, 0, 1)}).is_hit());
+}
+
+}  // namespace
+}  // namespace rayfarm
