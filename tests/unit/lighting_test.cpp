@@ -124,13 +124,12 @@ TEST_P(SceneScale, NeitherAcneNorLeaks) {
     scene.materials.push_back({.name = "m", .ambient = 0, .diffuse = 1});
     scene.objects.push_back({"root", {}, {}, {}});
     const Vec3 at = Vec3(shift, -0.7 * shift, 0.3 * shift) * s;
+    scene.objects.push_back({"moved", {}, {}, {}});
     auto& primitives = scene.objects[0].primitives;
     primitives.push_back({SphereShape{at + Vec3(0, 0, 0) * s, s}, 0, {}});
     primitives.push_back(
         {ConeShape{at + Vec3(4, -1, 0) * s, at + Vec3(4, 1, 0.5) * s, 0.8 * s, 0.2 * s}, 0, {}});
-    primitives.push_back({QuadricShape{{1, 2, 1.5, 0.1, 0, 0, 0, 0, 0, -s * s}, {}}, 0, {}});
-    scene.objects.push_back({"moved", {primitives[2]}, {}, {}});
-    primitives.pop_back();
+    scene.objects[1].primitives.push_back({QuadricShape{{1, 2, 1.5, 0.1, 0, 0, 0, 0, 0, -s * s}, {}}, 0, {}});
     scene.objects[0].children.push_back(
         {1, {{TransformKind::translate, constant_curve(Vec4(at + Vec3(8, 0, 0) * s, 0)), {}, {}}}, {}});
     const Vec3 eye = at + Vec3(4, 1, 30) * s;
