@@ -4,6 +4,7 @@ import os
 import pathlib
 import signal
 import subprocess
+import sys
 import time
 
 from rayfarm_job import ENVIRONMENT, Job, JobTest, RAYFARM, SCENES, main
@@ -96,6 +97,23 @@ class LostWhileLoading(JobTest):
             else:
                 self.assertEqual(result.code, 1, result.stderr)
                 self.assertRegex(result.stderr, "rayfarm: .*(lost|did not start)")
+
+
+class SmallSharedMemory(JobTest):
+    def test_every_process_holds_a_copy(self):
+        # A mount of its own, 24 MB: MPI's buffers fit, the scene's block does not. Needs root.
+        scene = LostWhileLoading.big_scene(self)
+        command = [RAYFARM, "render", str(scene), "-o", str(self.folder / "small.png"), "--size", "64x48", "--stats",
+                   str(self.folder / "small.json"), "--progress", "none"]
+        done = subprocess.run(["unshare", "--mount", "sh", "-c", 'mount -t tmpfs -o size=24m tmpfs /dev/shm || exit 77; exec "$@"', "sh",
+                               "mpirun", "-n", "3", *command], capture_output=True, text=True, env=ENVIRONMENT, timeout=90)
+        if done.returncode in (1, 77) and "rayfarm" not in done.stderr:
+            print("skipped: no right to mount: " + done.stderr)
+            sys.exit(77)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("/dev/shm has no room", done.stderr)
+        reference = self.render(1, scene, "--size", "64x48")["image"]["sha256_pixels"]
+        self.assertEqual(json.loads((self.folder / "small.json").read_text())["image"]["sha256_pixels"], reference)
 
 
 class LostHost(JobTest):
