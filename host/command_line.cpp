@@ -144,14 +144,9 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
 void check_render(const RenderOptions& o) {
   if (!is_writable_image(o.output))
     throw CLI::ValidationError(fmt::format("-o {}: the name must end in .exr or .png", o.output));
-  const std::filesystem::path folder = std::filesystem::path(o.output).parent_path();
-  if (has_frame_pattern(folder.string()))
+  if (has_frame_pattern(std::filesystem::path(o.output).parent_path().string()))
     throw CLI::ValidationError(
         fmt::format("-o {}: the #### must stand in the file's name, not in its folder's", o.output));
-  std::error_code ignored;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored))
-    throw CLI::ValidationError(
-        fmt::format("-o {}: there is no folder '{}'; make it first", o.output, folder.string()));
   if (!o.frames.empty()) {
     std::vector<int> frames;
     try {

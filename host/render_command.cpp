@@ -1,9 +1,9 @@
 #include "host/render_command.h"
 
 #include <fmt/core.h>
-#include <signal.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -115,6 +115,20 @@ class Reception {
   std::vector<double> heard_;
 };
 
+/// Found before hours of work, not after. Only the host writes, so only it looks.
+void check_folder(const char* option, const std::string& file) {
+  std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  if (folder.empty()) folder = ".";
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored))
+    throw JobError(kUsageError, fmt::format("{} {}: there is no folder '{}'; make it first", option, file,
+                                            folder.string()));
+  if (access(folder.c_str(), W_OK) != 0)
+    throw JobError(kUsageError,
+                   fmt::format("{} {}: the folder '{}' can't be written to; check its permissions", option,
+                               file, folder.string()));
+}
+
 std::vector<int> choose_frames(const RenderOptions& options, const SceneDescription& scene) {
   if (!options.frames.empty()) return parse_frames(options.frames);
   const std::array<int, 2> range = scene.frames.value_or(std::array{0, 0});
@@ -158,7 +172,7 @@ bool end_hung_nodes(Transport& transport, const JobResult& result) {
   for (const NodeResult& lost : result.nodes) {
     if (!lost.is_lost || lost.pid == static_cast<uint32_t>(getpid())) continue;
     if (lost.machine == here) {
-      kill(static_cast<pid_t>(lost.pid), SIGKILL);
+      end_hung_process(lost.pid);
       continue;
     }
     const auto neighbour = std::find_if(result.nodes.begin(), result.nodes.end(), [&](const NodeResult& n) {
@@ -198,7 +212,10 @@ class RenderCommand {
       ending.exit_code = kSceneError;
     } catch (const IoError& e) {
       log_->error(e.what());
-      ending.exit_code = kSceneError;
+      ending.exit_code = is_loaded_ ? kRenderFailure : kSceneError;
+    } catch (const std::bad_alloc&) {
+      log_->error("out of memory; a smaller --size, or a machine with more memory, is needed");
+      ending.exit_code = kRenderFailure;
     } catch (const std::exception& e) {
       log_->error(e.what());
       ending.exit_code = kRenderFailure;
@@ -218,6 +235,8 @@ class RenderCommand {
 
  private:
   int render() {
+    check_folder("-o", options_.output);
+    if (!options_.stats.empty()) check_folder("--stats", options_.stats);
     Reception reception(farm_.transport, result_);
     std::future<LoadedScene> loading = std::async(std::launch::async, load, options_.scene);
     Backoff backoff;

@@ -1,6 +1,5 @@
 #include "node/node.h"
 
-#include <signal.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -100,8 +99,7 @@ class Node {
     if (const auto* finish = std::get_if<Finish>(&control)) throw Finished{finish->has_losses};
     if (const auto* select = std::get_if<SelectFrame>(&control)) frame_ = static_cast<int>(select->frame);
     if (const auto* window = std::get_if<OpenWindow>(&control)) window_end_ = window->end_index;
-    // The host names only processes of this job that have fallen silent.
-    if (const auto* end = std::get_if<EndProcess>(&control)) kill(static_cast<pid_t>(end->pid), SIGKILL);
+    if (const auto* end = std::get_if<EndProcess>(&control)) end_hung_process(end->pid);
   }
 
   /// What the host assigned comes first; then, when interleaved, this node's own set of each frame in the

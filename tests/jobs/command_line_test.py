@@ -1,8 +1,9 @@
 """What users get wrong: each ends in a clear message and its own exit code, and leaves nothing behind."""
-import os
+import pathlib
+import re
 import subprocess
 
-from rayfarm_job import ENVIRONMENT, Job, JobTest, RAYFARM, SCENES, main
+from rayfarm_job import ENVIRONMENT, JobTest, RAYFARM, SCENES, main
 
 SCENE = SCENES / "primitives.yaml"
 SMALL = ["--size", "64x48", "-q"]
@@ -41,6 +42,7 @@ class Usage(JobTest):
     def test_output_names(self):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.jpg", says=[".exr or .png"])
         self.expect(2, "render", SCENE, "-o", self.folder / "no" / "a.png", says=["there is no folder"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--stats", self.folder / "no" / "s.json", says=["there is no folder"])
 
     def test_pixel_wire_needs_rgb8(self):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--wire", "pixel", "--pixel-format", "half", says=["rgb8"])
@@ -117,14 +119,11 @@ class Output(JobTest):
 class Builds(JobTest):
     def test_a_node_of_another_build_is_refused(self):
         # The same program with another build id in its note, as another compilation would have.
-        note = self.folder / "note"
         other = self.folder / "rayfarm-other"
-        subprocess.run(["objcopy", "-O", "binary", "--only-section=.note.gnu.build-id", "--set-section-flags",
-                        ".note.gnu.build-id=alloc", RAYFARM, str(note)], check=True)
-        data = bytearray(note.read_bytes())
-        data[-1] ^= 0xFF
-        note.write_bytes(bytes(data))
-        subprocess.run(["objcopy", f"--update-section=.note.gnu.build-id={note}", RAYFARM, str(other)], check=True)
+        notes = subprocess.run(["readelf", "-n", RAYFARM], capture_output=True, text=True, check=True).stdout
+        build = bytes.fromhex(re.search(r"Build ID: ([0-9a-f]+)", notes).group(1))
+        other.write_bytes(pathlib.Path(RAYFARM).read_bytes().replace(build, bytes(255 - b for b in build)))
+        other.chmod(0o755)
         arguments = ["render", str(SCENE), "-o", str(self.folder / "a.png"), *SMALL]
         result = subprocess.run(["mpirun", "-n", "2", RAYFARM, *arguments, ":", "-n", "1", str(other), *arguments],
                                 capture_output=True, text=True, env=ENVIRONMENT, timeout=60)
