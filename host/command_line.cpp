@@ -110,6 +110,11 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
           },
           "of pixels on the net and in the frame buffer (default: what the file holds: PNG rgb8, EXR half)")
       ->type_name("rgb8|half|float");
+  add_choice<SplitRule>(
+      render, "--hierarchy", o.split_rule, {{"sah", SplitRule::sah}, {"thesis", SplitRule::thesis}},
+      "how volumes are split: by the surface area heuristic, or about the centre of the data (default: sah)");
+  render->add_option("--max-primitives", o.max_primitives, "in a leaf of the hierarchy (default: 8)")
+      ->check(CLI::Range(1u, 1000u));
   add_choice<AssignmentPolicy>(
       render, "--assign", o.policy,
       {{"on-demand", AssignmentPolicy::on_demand}, {"interleaved", AssignmentPolicy::interleaved}},

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "common/hierarchy/builder.h"
 #include "common/image/image_file.h"
 #include "host/progress.h"
 #include "protocol/job_plan.h"
@@ -20,7 +21,9 @@ struct RenderOptions {
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;
-  int local_nodes = 0;  ///< 0: one per core
+  SplitRule split_rule = SplitRule::sah;
+  uint32_t max_primitives = 8;  ///< in a leaf of the hierarchy
+  int local_nodes = 0;          ///< 0: one per core
   double node_timeout_s = 8;
   bool skip_existing = false;
   std::string stats;

@@ -46,12 +46,12 @@ struct LoadedScene {
   double load_s = 0, build_s = 0;
 };
 
-LoadedScene load(const std::string& path) {
+LoadedScene load(const std::string& path, const BuildOptions& build) {
   LoadedScene loaded;
   const double begin = now_s();
   loaded.description = load_scene(path);
   loaded.load_s = now_s() - begin;
-  loaded.compiled = compile(loaded.description);
+  loaded.compiled = compile(loaded.description, build);
   loaded.build_s = now_s() - begin - loaded.load_s;
   return loaded;
 }
@@ -238,7 +238,8 @@ class RenderCommand {
     check_folder("-o", options_.output);
     if (!options_.stats.empty()) check_folder("--stats", options_.stats);
     Reception reception(farm_.transport, result_);
-    std::future<LoadedScene> loading = std::async(std::launch::async, load, options_.scene);
+    std::future<LoadedScene> loading = std::async(std::launch::async, load, options_.scene,
+                                                  BuildOptions{options_.split_rule, options_.max_primitives});
     Backoff backoff;
     while (!loaded_ || !reception.all_reported()) {
       // A scene that can't be loaded ends the job at once, whoever has reported.

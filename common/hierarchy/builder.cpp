@@ -1,5 +1,6 @@
 #include "common/hierarchy/builder.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rayfarm {
@@ -28,36 +29,125 @@ class Builder {
     if (references.empty()) return {};
     if (references.size() <= options_.max_primitives || depth >= kMostSplits) return make_leaf_(references);
 
-    Box data;
-    Vec3 center(0);
-    for (const PrimitiveReference& r : references) {
-      data.grow(r.box);
-      center += r.box.center();
-    }
-    center /= static_cast<double>(references.size());
-
-    std::array<std::vector<PrimitiveReference>, 8> octants;
-    if (!(options_.clips && split_clipping(references, data, center, octants)) &&
-        !split_by_centers(references, center, octants))
+    Groups groups;
+    if (!(options_.rule == SplitRule::sah ? split_sah(references, groups) : split_thesis(references, groups)))
       return make_leaf_(references);  // all centres coincide
     std::vector<PrimitiveReference>().swap(references);
 
     const auto index = static_cast<uint32_t>(nodes_.size());
     nodes_.push_back(make_empty_node());
     size_t slot = 0;
-    for (std::vector<PrimitiveReference>& octant : octants) {
-      if (octant.empty()) continue;
-      Box box;
-      for (const PrimitiveReference& r : octant) box.grow(r.box);
-      const ChildRef child = build(std::move(octant), depth + 1);
+    for (std::vector<PrimitiveReference>& group : groups) {
+      if (group.empty()) continue;
+      const Box box = box_of(group);
+      const ChildRef child = build(std::move(group), depth + 1);
       set_child(nodes_[index], slot++, box, child);
     }
     return make_child(ChildKind::inner, index);
   }
 
  private:
+  using Groups = std::array<std::vector<PrimitiveReference>, 8>;
+
+  static Box box_of(std::span<const PrimitiveReference> references) {
+    Box box;
+    for (const PrimitiveReference& r : references) box.grow(r.box);
+    return box;
+  }
+
+  /// Splits in two again and again, each time the group that costs most, until there are eight or all are
+  /// leaves.
+  bool split_sah(std::vector<PrimitiveReference>& references, Groups& groups) const {
+    groups[0].swap(references);
+    size_t count = 1;
+    std::array<double, 8> costs{};  // 0: not to be split
+    costs[0] = expected_cost(groups[0]);
+    while (count < groups.size()) {
+      const auto worst = static_cast<size_t>(std::max_element(costs.begin(), costs.end()) - costs.begin());
+      if (costs[worst] == 0) break;
+      if (!halve(groups[worst], groups[count])) {
+        costs[worst] = 0;
+        continue;
+      }
+      costs[worst] = expected_cost(groups[worst]);
+      costs[count] = expected_cost(groups[count]);
+      ++count;
+    }
+    if (count > 1) return true;
+    groups[0].swap(references);
+    return false;
+  }
+
+  double expected_cost(std::span<const PrimitiveReference> group) const {
+    if (group.size() <= options_.max_primitives) return 0;
+    // A group without area, all on one line, must be split too.
+    return (box_of(group).area() + std::numeric_limits<double>::min()) * static_cast<double>(group.size());
+  }
+
+  /// Moves what lies on one side of the best of 15 planes on each axis to `other`; false if all centres
+  /// coincide.
+  bool halve(std::vector<PrimitiveReference>& group, std::vector<PrimitiveReference>& other) const {
+    constexpr size_t kBins = 16;
+    Box centers;
+    for (const PrimitiveReference& r : group) centers.grow(r.box.center());
+    const auto bin_of = [&](const PrimitiveReference& r, int axis) {
+      const double place = (r.box.center()[axis] - centers.lo[axis]) / (centers.hi[axis] - centers.lo[axis]);
+      return std::min(static_cast<size_t>(place * kBins), kBins - 1);
+    };
+    // Leaves are tested eight lanes at a time, so what counts is how many such tests there are.
+    const auto work = [](size_t n) { return static_cast<double>((n + 7) / 8); };
+    int best_axis = -1;
+    size_t best_bin = 0;
+    double best_cost = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(centers.hi[axis] - centers.lo[axis] > 0)) continue;
+      std::array<Box, kBins> boxes;
+      std::array<size_t, kBins> counts{};
+      for (const PrimitiveReference& r : group) {
+        const size_t bin = bin_of(r, axis);
+        boxes[bin].grow(r.box);
+        ++counts[bin];
+      }
+      std::array<double, kBins> cost_above{};  // of the bins from i on
+      Box box;
+      size_t count = 0;
+      for (size_t i = kBins; i-- > 1;) {
+        box.grow(boxes[i]);
+        count += counts[i];
+        cost_above[i] = box.area() * work(count);
+      }
+      box = {};
+      count = 0;
+      for (size_t i = 1; i < kBins; ++i) {
+        box.grow(boxes[i - 1]);
+        count += counts[i - 1];
+        const double cost = box.area() * work(count) + cost_above[i];
+        if (count > 0 && count < group.size() && cost < best_cost) {
+          best_cost = cost;
+          best_axis = axis;
+          best_bin = i;
+        }
+      }
+    }
+    if (best_axis < 0) return false;
+    const auto middle = std::stable_partition(group.begin(), group.end(), [&](const PrimitiveReference& r) {
+      return bin_of(r, best_axis) < best_bin;
+    });
+    other.assign(middle, group.end());
+    group.erase(middle, group.end());
+    return true;
+  }
+
+  bool split_thesis(const std::vector<PrimitiveReference>& references, Groups& octants) const {
+    Vec3 center(0);
+    for (const PrimitiveReference& r : references) center += r.box.center();
+    center /= static_cast<double>(references.size());
+    return split_clipping(references, box_of(references), center, octants) ||
+           split_by_centers(references, center, octants);
+  }
+
   bool split_clipping(const std::vector<PrimitiveReference>& references, const Box& data, const Vec3& center,
-                      std::array<std::vector<PrimitiveReference>, 8>& octants) const {
+                      Groups& octants) const {
     const auto most = static_cast<size_t>(kMostGrowth * static_cast<double>(references.size()));
     size_t total = 0, largest = 0;
     for (const PrimitiveReference& r : references) {
@@ -92,7 +182,7 @@ class Builder {
   }
 
   static bool split_by_centers(const std::vector<PrimitiveReference>& references, const Vec3& center,
-                               std::array<std::vector<PrimitiveReference>, 8>& octants) {
+                               Groups& octants) {
     size_t largest = 0;
     for (const PrimitiveReference& r : references) {
       const Vec3 c = r.box.center();

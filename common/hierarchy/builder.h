@@ -1,8 +1,8 @@
 #pragma once
-// The volume hierarchy's builder (thesis 4.2.1.2): a node's data are split into eight about the centre of the
-// data, and each child is fitted again to the data that fell into it. The result is a tree of eight tight
-// boxes per node. A builder never knows its primitives: it takes bounds, clips them, and gives ranges of
-// references to a structurer.
+// The volume hierarchy's builder (thesis 4.2.1.2): a node's data are divided among up to eight children, and
+// each child is fitted again to the data that fell into it. The result is a tree of eight tight boxes per
+// node. A builder never knows its primitives: it takes bounds, clips them, and gives ranges of references to
+// a structurer.
 #include <functional>
 #include <span>
 #include <vector>
@@ -27,9 +27,15 @@ struct PrimitiveReference {
   Box box;
 };
 
+/// How a node's data are divided among its children.
+enum class SplitRule : uint8_t {
+  sah,    ///< where a ray is expected to do least work: the surface area heuristic (Goldsmith, Salmon 1987)
+  thesis  ///< into the octants about the centre of the data, straddling primitives clipped (4.2.1.2)
+};
+
 struct BuildOptions {
+  SplitRule rule = SplitRule::sah;
   uint32_t max_primitives = 8;  ///< a volume with at most this many is a leaf (the thesis used 4 to 30)
-  bool clips = true;            ///< straddling primitives are clipped into every octant they touch
 };
 
 /// The structurer: packs a leaf's references into records for the traverser. It may append nodes.

@@ -359,7 +359,7 @@ class Compiler {
       return make_child(ChildKind::instances, first, static_cast<uint32_t>(references.size()));
     };
     arrays_.header[0].object_root =
-        build_hierarchy(InstanceSource(arrays_.poses), {.max_primitives = 1, .clips = false}, make_leaf,
+        build_hierarchy(InstanceSource(arrays_.poses), {.max_primitives = 1}, make_leaf,
                         arrays_.object_part_nodes);
   }
 

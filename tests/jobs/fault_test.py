@@ -11,7 +11,7 @@ from rayfarm_job import ENVIRONMENT, Job, JobTest, RAYFARM, SCENES, main
 
 SCENE = SCENES / "primitives.yaml"
 # A few seconds of work for three nodes on two cores: enough to be hurt in the middle of it.
-HEAVY = ["--size", "480x360", "--samples", "36"]
+HEAVY = ["--size", "480x360", "--samples", "16"]
 
 
 class LostNode(JobTest):

@@ -51,8 +51,9 @@ TEST_P(Scales, MixedSceneAgreesWithBruteForce) {
 
 INSTANTIATE_TEST_SUITE_P(, Scales, testing::Values(1e-3, 1.0, 1e6));
 
-TEST(Traverser, WithoutClippingAndWithTinyLeaves) {
-  for (const BuildOptions& options : {BuildOptions{1, true}, BuildOptions{8, false}, BuildOptions{30, true}})
+TEST(Traverser, EverySplitRuleAndLeafSize) {
+  for (const BuildOptions& options : {BuildOptions{SplitRule::thesis, 1}, BuildOptions{SplitRule::thesis, 30},
+                                      BuildOptions{SplitRule::sah, 1}, BuildOptions{SplitRule::sah, 30}})
     compare_with_brute_force(compile(test::make_mixed_scene(4, 1, 300), options), 1, 1500);
 }
 
