@@ -2,21 +2,17 @@
 
 #include <fmt/core.h>
 
-#include <chrono>
 #include <cstring>
 
 #include "host/interrupt.h"
 #include "protocol/block_codec.h"
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
 
 constexpr double kAliveInterval_s = 1;
 constexpr double kTickInterval_s = 0.1;
-
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 AssignmentOptions assignment_options(const FarmHostOptions& o) {
   AssignmentOptions a;

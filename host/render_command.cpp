@@ -19,16 +19,13 @@
 #include "host/output_pattern.h"
 #include "host/report.h"
 #include "protocol/build_identity.h"
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
 
 constexpr double kHelloTimeout_s = 20;
 constexpr double kSilenceWhileLoading_s = 8;
-
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// The job can't go on; the message says why.
 class JobError : public std::runtime_error {

@@ -2,13 +2,13 @@
 
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <deque>
 #include <utility>
 
 #include "protocol/block_codec.h"
 #include "protocol/build_identity.h"
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
@@ -19,10 +19,6 @@ constexpr double kPollInterval_s = 0.01;  ///< while tracing
 // same.
 constexpr double kHostTimeoutWhileLoading_s = 8;
 constexpr size_t kPixelsPerTransfer = 455;  ///< 4,095 bytes: within MPI's eager limit
-
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// The host said that the job is over.
 struct Finished {

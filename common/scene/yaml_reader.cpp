@@ -6,8 +6,8 @@
 
 namespace rayfarm {
 
-YamlValue::YamlValue(YAML::Node node, std::string what, const std::string& file, YamlBudget& budget)
-    : node_(std::move(node)), what_(std::move(what)), file_(&file), budget_(&budget) {
+YamlValue::YamlValue(const YAML::Node& node, std::string what, const std::string& file, YamlBudget& budget)
+    : node_(node), what_(std::move(what)), file_(&file), budget_(&budget) {
   if (budget.nodes_left == 0) fail("the document expands to too many values (do its anchors multiply?)");
   --budget.nodes_left;
 }

@@ -18,7 +18,7 @@ struct YamlBudget {
 /// A YAML node with the name of its file and of what it stands for.
 class YamlValue {
  public:
-  YamlValue(YAML::Node node, std::string what, const std::string& file, YamlBudget& budget);
+  YamlValue(const YAML::Node& node, std::string what, const std::string& file, YamlBudget& budget);
 
   [[noreturn]] void fail(const std::string& problem) const;
   Place place() const;
