@@ -19,7 +19,12 @@ namespace {
 constexpr size_t kChunkBytes = 256 << 10;
 static_assert(kChunkBytes % kDataWordBytes == 0);
 constexpr double kChunkSeconds = 20;
-constexpr double kStartSeconds = 25;
+
+/// How long MPI may take to start: longer where many processes share few cores.
+double start_limit_s() {
+  const char* size = std::getenv("OMPI_COMM_WORLD_SIZE");
+  return 25 + 0.5 * std::max(0, (size ? std::atoi(size) : 0) - 8);
+}
 
 void check(int code, const char* what) {
   if (code == MPI_SUCCESS) return;
@@ -179,9 +184,10 @@ bool MpiSession::is_launched() {
 }
 
 MpiSession::MpiSession(int* argc, char*** argv) : state_(std::make_unique<State>()) {
-  state_->watchdog.arm(kStartSeconds, "MPI did not start: a process was lost, or a machine can't be reached");
+  state_->watchdog.arm(start_limit_s(),
+                       "MPI did not start: a process was lost, or a machine can't be reached");
   MPI_Init(argc, argv);
-  state_->watchdog.arm(kStartSeconds, "a process was lost while MPI started");
+  state_->watchdog.arm(start_limit_s(), "a process was lost while MPI started");
   // A communicator of our own: without this the return codes below would never be seen.
   MPI_Comm_dup(MPI_COMM_WORLD, &state_->comm);
   MPI_Comm_set_errhandler(state_->comm, MPI_ERRORS_RETURN);
