@@ -24,9 +24,9 @@ int launched_rank() {
 }
 
 /// Several Slurm tasks that know nothing of each other would each render the whole image over the same files.
-bool is_lone_slurm_task(int ranks) {
+bool is_lone_slurm_task() {
   const char* tasks = std::getenv("SLURM_NTASKS");
-  return ranks == 1 && tasks && std::atoi(tasks) > 1;
+  return tasks && std::atoi(tasks) > 1;
 }
 
 int report_lone_slurm_task() {
@@ -39,7 +39,8 @@ int report_lone_slurm_task() {
 }
 
 int render_locally(const RenderOptions& options) {
-  if (is_lone_slurm_task(1)) return report_lone_slurm_task();
+  catch_interrupts();
+  if (is_lone_slurm_task()) return report_lone_slurm_task();
   const int nodes = options.local_nodes > 0
                         ? options.local_nodes
                         : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -60,7 +61,7 @@ int render_locally(const RenderOptions& options) {
 [[noreturn]] void render_on_mpi(const RenderOptions& options, int argc, char** argv) {
   MpiSession session(&argc, &argv);
   if (session.size() == 1)
-    session.finish(is_lone_slurm_task(1) ? report_lone_slurm_task() : render_locally(options),
+    session.finish(is_lone_slurm_task() ? report_lone_slurm_task() : render_locally(options),
                    Parting::together);
   if (session.size() - 1 > kMostProcessors) {
     if (session.rank() == 0)
@@ -100,7 +101,6 @@ int run(const CommandLine& line, int argc, char** argv) {
       return line.exit_code;
     case CommandKind::render:
       if (MpiSession::is_launched()) render_on_mpi(line.render, argc, argv);
-      catch_interrupts();
       return render_locally(line.render);
     case CommandKind::check:
       return launched_rank() == 0 ? run_check(line.scene) : kComplete;

@@ -161,6 +161,23 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
   return s;
 }
 
+/// Asks every node once more. One that was killed or hung so late that its work was done by others before its
+/// silence was long enough is lost all the same, and the end of MPI would wait for it.
+std::vector<int> find_silent_nodes(Transport& transport, const JobResult& result) {
+  constexpr double kLongest_s = 3;
+  std::set<int> silent;
+  for (const NodeResult& node : result.nodes)
+    if (!node.is_lost) silent.insert(node.id);
+  for (const int node : silent) transport.send(node, AskPresent{});
+  Backoff backoff;
+  for (const double begin = now_s(); !silent.empty() && now_s() - begin < kLongest_s; backoff.wait())
+    while (const auto message = transport.try_receive())
+      if (message->channel == Channel::control &&
+          std::holds_alternative<Present>(decode_control(message->bytes)))
+        silent.erase(message->source);
+  return {silent.begin(), silent.end()};
+}
+
 /// Hung nodes keep mpirun from returning. Those on this machine are ended here, those on others by a node
 /// beside them.
 bool end_hung_nodes(Transport& transport, const JobResult& result) {
@@ -308,6 +325,11 @@ class RenderCommand {
       host.run();
     }
     result_.times.total_s = now_s() - begin_;
+    for (const int node : find_silent_nodes(farm_.transport, result_)) {
+      result_.nodes[static_cast<size_t>(node) - 1].is_lost = true;
+      result_.lost_nodes.push_back(node);
+    }
+    std::sort(result_.lost_nodes.begin(), result_.lost_nodes.end());
     return report(plan, settings);
   }
 

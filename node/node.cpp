@@ -93,6 +93,7 @@ class Node {
 
   void receive_control(const Control& control) {
     if (const auto* finish = std::get_if<Finish>(&control)) throw Finished{finish->has_losses};
+    if (std::holds_alternative<AskPresent>(control)) transport_.send(kHost, Present{});
     if (const auto* select = std::get_if<SelectFrame>(&control)) frame_ = static_cast<int>(select->frame);
     if (const auto* window = std::get_if<OpenWindow>(&control)) window_end_ = window->end_index;
     if (const auto* end = std::get_if<EndProcess>(&control)) end_hung_process(end->pid);

@@ -180,6 +180,8 @@ Bytes encode_control(const Control& control) {
     void operator()(const NodeFailed& m) const { w.text(m.problem); }
     void operator()(const EndProcess& m) const { w.u32(m.pid); }
     void operator()(const Finish& m) const { w.u8(m.has_losses ? 1 : 0); }
+    void operator()(const AskPresent&) const {}
+    void operator()(const Present&) const {}
   };
   std::visit(Write{w}, control);
   return w.take();
@@ -226,6 +228,12 @@ Control decode_control(std::span<const std::byte> message) {
       break;
     case 8:
       control = Finish{r.u8() != 0};
+      break;
+    case 9:
+      control = AskPresent{};
+      break;
+    case 10:
+      control = Present{};
       break;
     default:
       throw ProtocolError("a control message of unknown kind");

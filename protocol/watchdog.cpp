@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -73,7 +74,7 @@ void end_job(int code) {
   remove_shared_buffers();
   const char* recovery = std::getenv("OMPI_MCA_orte_enable_recovery");
   const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
-  if (code != 0 && recovery && recovery[0] == '1' && rank) {
+  if (code != 0 && recovery && recovery[0] && std::strchr("1tTyY", recovery[0]) && rank) {
     std::string launcher;
     std::ifstream("/proc/" + std::to_string(getppid()) + "/comm") >> launcher;
     if (launcher == "mpirun" || launcher == "mpiexec" || launcher == "orterun" || launcher == "prterun") {

@@ -358,9 +358,8 @@ class Compiler {
       for (const PrimitiveReference& r : references) arrays_.leaf_instances.push_back(r.primitive);
       return make_child(ChildKind::instances, first, static_cast<uint32_t>(references.size()));
     };
-    arrays_.header[0].object_root =
-        build_hierarchy(InstanceSource(arrays_.poses), {.max_primitives = 1}, make_leaf,
-                        arrays_.object_part_nodes);
+    arrays_.header[0].object_root = build_hierarchy(InstanceSource(arrays_.poses), {.max_primitives = 1},
+                                                    make_leaf, arrays_.object_part_nodes);
   }
 
   const SceneDescription& description_;

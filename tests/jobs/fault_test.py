@@ -51,6 +51,22 @@ class LostNode(JobTest):
         told, _ = self.expect_whole_frame(signal.SIGSTOP, "--assign", "interleaved")
         self.assertEqual(told["nodes_lost"], [2])
 
+    def late_loss(self, number):
+        # So late that the picture is whole long before the silence would be noticed.
+        job = Job(4, "render", SCENE, "-o", self.folder / "late.png", "--stats", self.folder / "late.json", "--progress", "none",
+                  "-v", "--size", "320x240", "--samples", "9")
+        job.wait_until_it_says("tracing begins")
+        job.hurt(3, number)
+        result = job.wait(40)
+        self.assertEqual(result.code, 0, result.stderr)
+        self.assertEqual(json.loads((self.folder / "late.json").read_text())["nodes_lost"], [3], result.stderr)
+
+    def test_killed_late(self):
+        self.late_loss(signal.SIGKILL)
+
+    def test_hung_late(self):
+        self.late_loss(signal.SIGSTOP)
+
     def test_killed_while_returning_large_blocks(self):
         # Long messages are handed over in the middle of a kill at many moments.
         for delay in (0.2, 0.5, 0.9):
