@@ -64,8 +64,9 @@ void FarmHost::run() {
       auto message = transport_.try_receive();
       if (!message) break;
       is_idle = false;
-      traced = now;
+      const uint64_t before = result_.pixels_received;
       receive(*message, now);
+      if (result_.pixels_received != before) traced = now_s();  // tracing ends with the last result
     }
     if (now - alive_sent > kAliveInterval_s) {
       for (int node = 1; node <= transport_.node_count(); ++node) transport_.send(node, Alive{});

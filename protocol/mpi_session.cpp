@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
@@ -177,6 +178,29 @@ struct MpiSession::State {
     check(step(), what);
     watchdog.disarm();
   }
+
+  /// Waits until every process of the machine is here. However long the machine's leader receives, it is
+  /// alive as long as `progress` (may be null) grows.
+  void wait_for_machine(MPI_Comm machine, uint64_t* progress) {
+    MPI_Request request = MPI_REQUEST_NULL;
+    check(MPI_Ibarrier(machine, &request), "the end of loading");
+    const auto arm = [this] {
+      watchdog.arm(kChunkSeconds,
+                   "a process was lost while loading (the machine's copy); the job ends. Start it "
+                   "again, without the machine that failed");
+    };
+    arm();
+    uint64_t seen = 0;
+    for (Backoff backoff;; backoff.wait()) {
+      int done = 0;
+      check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "the end of loading");
+      if (done) break;
+      const uint64_t now = progress ? std::atomic_ref(*progress).load() : seen;
+      if (now != seen) arm();
+      seen = now;
+    }
+    watchdog.disarm();
+  }
 };
 
 bool MpiSession::is_launched() {
@@ -234,11 +258,12 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
 
   std::unique_ptr<SharedBlock> result;
   std::byte* target = nullptr;
+  uint64_t* progress = nullptr;
   if (is_shared) {
     MPI_Win window = MPI_WIN_NULL;
     s.collective("making shared memory", [&] {
-      return MPI_Win_allocate_shared(machine_rank == 0 ? static_cast<MPI_Aint>(size + 64) : 0, 1,
-                                     MPI_INFO_NULL, machine, &target, &window);
+      return MPI_Win_allocate_shared(machine_rank == 0 ? static_cast<MPI_Aint>(size + 2 * kDataWordBytes) : 0,
+                                     1, MPI_INFO_NULL, machine, &target, &window);
     });
     MPI_Aint window_size = 0;
     int unit = 1;
@@ -246,6 +271,9 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
     // Processes map the window where they like, but always by whole pages, so the padding is the same for
     // all.
     target += (64 - reinterpret_cast<uintptr_t>(target) % 64) % 64;
+    // Behind the block stands how much of it has come, for those who only wait.
+    progress = reinterpret_cast<uint64_t*>(target + size);
+    if (machine_rank == 0) std::atomic_ref(*progress).store(0);
     result = std::make_unique<WindowBlock>(target, size);
   } else {
     auto own = std::make_unique<PrivateBlock>(size);
@@ -275,9 +303,10 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
       if (data.address > size || data.payload.size() > size - data.address)
         throw ProtocolError("load data lies outside of the scene");
       std::memcpy(target + data.address, data.payload.data(), data.payload.size());
+      if (progress) std::atomic_ref(*progress).store(data.address + data.payload.size());
     }
   }
-  s.collective("the end of loading", [&] { return MPI_Barrier(machine); });
+  s.wait_for_machine(machine, progress);
   s.collective("the end of loading", [&] { return MPI_Barrier(s.comm); });
   return result;
 }
