@@ -11,7 +11,6 @@
 namespace rayfarm {
 namespace {
 
-constexpr double kAliveInterval_s = 1;
 constexpr double kTickInterval_s = 0.1;
 
 AssignmentOptions assignment_options(const FarmHostOptions& o) {
@@ -54,7 +53,8 @@ int FarmHost::frame_index(uint32_t frame) const {
 
 void FarmHost::run() {
   const double begin = now_s();
-  double alive_sent = 0, ticked = 0, traced = begin;
+  double ticked = 0, traced = begin;
+  Heartbeat heartbeat;
   Backoff backoff;
   while (!assignment_.is_over() && !is_over_) {
     const double now = now_s();
@@ -68,10 +68,7 @@ void FarmHost::run() {
       receive(*message, now);
       if (result_.pixels_received != before) traced = now_s();  // tracing ends with the last result
     }
-    if (now - alive_sent > kAliveInterval_s) {
-      for (int node = 1; node <= transport_.node_count(); ++node) transport_.send(node, Alive{});
-      alive_sent = now;
-    }
+    heartbeat.beat(transport_);
     if (now - ticked > kTickInterval_s) {
       assignment_.tick(now);
       ticked = now;
@@ -95,8 +92,6 @@ void FarmHost::run() {
   progress_.show(end - begin, result_.pixels_kept, total(result_.rays),
                  transport_.meter()->total(Command::return_result).bytes, assignment_.nodes_alive(), true);
   progress_.clear();
-  for (const NodeResult& node : result_.nodes)
-    if (node.is_lost) result_.lost_nodes.push_back(node.id);
 }
 
 void FarmHost::receive(const Message& message, double now) {

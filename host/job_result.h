@@ -44,7 +44,6 @@ struct PhaseTimes {
 struct JobResult {
   std::vector<NodeResult> nodes;
   std::vector<FrameResult> frames;
-  std::vector<int> lost_nodes;   ///< every node that was lost at the end
   uint64_t pixels_received = 0;  ///< in results, duplicates too
   uint64_t pixels_kept = 0;
   uint64_t duplicates = 0;  ///< results dropped
@@ -53,6 +52,13 @@ struct JobResult {
   bool was_interrupted = false;
   bool lost_all_nodes = false;
 
+  /// The nodes that are lost at the end, in order.
+  std::vector<int> lost_nodes() const {
+    std::vector<int> lost;
+    for (const NodeResult& n : nodes)
+      if (n.is_lost) lost.push_back(n.id);
+    return lost;
+  }
   size_t frames_failed() const {
     size_t n = 0;
     for (const FrameResult& f : frames) n += f.problem.empty() ? 0u : 1u;

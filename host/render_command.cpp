@@ -20,6 +20,7 @@
 #include "host/report.h"
 #include "protocol/build_identity.h"
 #include "protocol/clock.h"
+#include "protocol/watchdog.h"
 
 namespace rayfarm {
 namespace {
@@ -84,10 +85,7 @@ class Reception {
                           message->source, hello->machine));
       }
     }
-    if (now - alive_sent_ > 1) {
-      for (int node = 1; node <= transport_.node_count(); ++node) transport_.send(node, Alive{});
-      alive_sent_ = now;
-    }
+    heartbeat_.beat(transport_);
     for (size_t i = 0; i < heard_.size(); ++i) {
       if (heard_[i] == 0 && now - begin_ > kHelloTimeout_s)
         throw JobError(kRenderFailure,
@@ -108,7 +106,8 @@ class Reception {
  private:
   Transport& transport_;
   JobResult& result_;
-  double begin_, alive_sent_ = 0;
+  double begin_;
+  Heartbeat heartbeat_;
   std::vector<double> heard_;
 };
 
@@ -235,8 +234,7 @@ class RenderCommand {
       ending.exit_code = kRenderFailure;
     }
     if (is_loaded_) ending.has_hung_nodes = end_hung_nodes(farm_.transport, result_);
-    ending.has_losses = std::any_of(result_.nodes.begin(), result_.nodes.end(),
-                                    [](const NodeResult& n) { return n.is_lost; });
+    ending.has_losses = !result_.lost_nodes().empty();
     farm_.transport.broadcast(Channel::control, encode_control(Finish{ending.has_losses}));
     // The last messages leave before the process does; nodes end within a poll.
     for (int i = 0; i < 20; ++i) {
@@ -325,17 +323,14 @@ class RenderCommand {
       host.run();
     }
     result_.times.total_s = now_s() - begin_;
-    for (const int node : find_silent_nodes(farm_.transport, result_)) {
+    for (const int node : find_silent_nodes(farm_.transport, result_))
       result_.nodes[static_cast<size_t>(node) - 1].is_lost = true;
-      result_.lost_nodes.push_back(node);
-    }
-    std::sort(result_.lost_nodes.begin(), result_.lost_nodes.end());
     return report(plan, settings);
   }
 
   int report(const JobPlan& plan, const RenderSettings& settings) {
     const TrafficMeter& meter = *farm_.transport.meter();
-    for (const int node : result_.lost_nodes) log_->warn("node {} was lost", node);
+    for (const int node : result_.lost_nodes()) log_->warn("node {} was lost", node);
     if (!options_.stats.empty())
       write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
     if (!options_.is_quiet) fmt::print(stderr, "{}", format_report(result_, meter, plan));

@@ -97,7 +97,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                 {"sha256_pixels", last_sha256},
                 {"pixel_format", name_of(settings.pixel_format)}};
   j["ranks"] = ranks;
-  j["nodes_lost"] = result.lost_nodes;
+  j["nodes_lost"] = result.lost_nodes();
   j["rays"] = rays_json(result.rays);
   for (const Command command : kCommandList) {
     const Traffic t = meter.total(command);

@@ -9,11 +9,11 @@
 #include "protocol/block_codec.h"
 #include "protocol/build_identity.h"
 #include "protocol/clock.h"
+#include "protocol/watchdog.h"
 
 namespace rayfarm {
 namespace {
 
-constexpr double kAliveInterval_s = 1;
 constexpr double kPollInterval_s = 0.01;  ///< while tracing
 // Before load code has come the host may be building a large scene, but it says that it is alive all the
 // same.
@@ -38,7 +38,6 @@ class Node {
 
   void introduce() {
     transport_.send(kHost, Hello{machine_name(), static_cast<uint32_t>(getpid()), build_identity()});
-    alive_sent_ = now_s();
   }
 
   /// Waits for load code.
@@ -84,10 +83,7 @@ class Node {
     }
     const double now = now_s();
     last_poll_ = now;
-    if (now - alive_sent_ > kAliveInterval_s) {
-      transport_.send(kHost, Alive{});
-      alive_sent_ = now;
-    }
+    heartbeat_.beat(transport_);
     if (now - host_heard_ > host_timeout_s_) throw HostGone{};
   }
 
@@ -176,7 +172,8 @@ class Node {
   JobPlan plan_;
   std::optional<Bytes> plan_bytes_;
   double host_timeout_s_ = kHostTimeoutWhileLoading_s;
-  double host_heard_, alive_sent_ = 0, last_poll_ = 0;
+  double host_heard_, last_poll_ = 0;
+  Heartbeat heartbeat_;
   int frame_ = 0;  ///< of the display polygons to come
   std::deque<Assigned> assigned_;
   uint32_t window_end_ = 0;     ///< interleaved: frames of the sequence before this may be traced

@@ -2,11 +2,9 @@
 
 #include <elf.h>
 #include <link.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <cstring>
-#include <filesystem>
 
 namespace rayfarm {
 namespace {
@@ -44,13 +42,6 @@ std::string build_identity() {
   std::string text;
   dl_iterate_phdr(read_build_id, &text);
   return text;
-}
-
-void end_hung_process(unsigned pid) {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", error);
-  if (!error && program == std::filesystem::read_symlink("/proc/self/exe", error))
-    kill(static_cast<pid_t>(pid), SIGKILL);
 }
 
 std::string machine_name() {

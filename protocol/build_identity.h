@@ -10,8 +10,4 @@ std::string build_identity();
 /// This machine's name.
 std::string machine_name();
 
-/// Ends a hung process of this job on this machine. A process that runs another program has only inherited
-/// the number: it is left alone.
-void end_hung_process(unsigned pid);
-
 }  // namespace rayfarm

@@ -34,6 +34,7 @@ class Transport {
   std::optional<Message> try_receive();
 
   /// Only the host's transport has a meter.
+  bool is_host() const { return meter_ != nullptr; }
   TrafficMeter* meter() { return meter_.get(); }
   const TrafficMeter* meter() const { return meter_.get(); }
 
@@ -45,6 +46,15 @@ class Transport {
  private:
   void count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes);
   std::unique_ptr<TrafficMeter> meter_;
+};
+
+/// Tells the other side once a second that this process is alive: the host every node, a node its host.
+class Heartbeat {
+ public:
+  void beat(Transport& transport);
+
+ private:
+  double sent_s_ = 0;
 };
 
 /// Sleeps longer the longer nothing happens, so that waiting costs almost no processor time.

@@ -85,4 +85,11 @@ void end_job(int code) {
   _exit(code);
 }
 
+void end_hung_process(unsigned pid) {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", error);
+  if (!error && program == std::filesystem::read_symlink("/proc/self/exe", error))
+    kill(static_cast<pid_t>(pid), SIGKILL);
+}
+
 }  // namespace rayfarm

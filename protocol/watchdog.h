@@ -36,4 +36,8 @@ class Watchdog {
 /// told to end the job, which makes it return 1 for every code but 0.
 [[noreturn]] void end_job(int code);
 
+/// Ends a hung process of this job on this machine. A process that runs another program has only inherited
+/// the number: it is left alone.
+void end_hung_process(unsigned pid);
+
 }  // namespace rayfarm

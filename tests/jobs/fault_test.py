@@ -85,21 +85,22 @@ class LostNode(JobTest):
         self.assertEqual(list(self.folder.glob("*.png")), [])
 
 
-class LostWhileLoading(JobTest):
-    def big_scene(self):
-        rows = 420
-        with open(self.folder / "big.obj", "w") as out:
-            for i in range(rows):
-                for j in range(rows):
-                    out.write(f"v {i} {(i * 7 + j * 3) % 5} {j}\n")
-            for i in range(rows - 1):
-                for j in range(rows - 1):
-                    a = i * rows + j + 1
-                    out.write(f"f {a} {a + 1} {a + rows}\nf {a + 1} {a + rows + 1} {a + rows}\n")
-        return self.write("big.yaml", "view: {location: [0, 50, 0], look_at: [99, 0, 99]}\nscene: [{mesh: {file: big.obj}}]\n")
+def write_big_scene(test):
+    rows = 420
+    with open(test.folder / "big.obj", "w") as out:
+        for i in range(rows):
+            for j in range(rows):
+                out.write(f"v {i} {(i * 7 + j * 3) % 5} {j}\n")
+        for i in range(rows - 1):
+            for j in range(rows - 1):
+                a = i * rows + j + 1
+                out.write(f"f {a} {a + 1} {a + rows}\nf {a + 1} {a + rows + 1} {a + rows}\n")
+    return test.write("big.yaml", "view: {location: [0, 50, 0], look_at: [99, 0, 99]}\nscene: [{mesh: {file: big.obj}}]\n")
 
+
+class LostWhileLoading(JobTest):
     def test_killed_while_loading(self):
-        scene = self.big_scene()
+        scene = write_big_scene(self)
         for delay in (0.0, 0.3, 0.6):
             job = Job(4, "render", scene, "-o", self.folder / "big.png", "--progress", "none", "--size", "64x64")
             pid = job.pid_of_rank(2)
@@ -117,7 +118,7 @@ class LostWhileLoading(JobTest):
 class SmallSharedMemory(JobTest):
     def test_every_process_holds_a_copy(self):
         # A mount of its own, 24 MB: MPI's buffers fit, the scene's block does not. Needs root.
-        scene = LostWhileLoading.big_scene(self)
+        scene = write_big_scene(self)
         command = [RAYFARM, "render", str(scene), "-o", str(self.folder / "small.png"), "--size", "64x48", "--stats",
                    str(self.folder / "small.json"), "--progress", "none"]
         done = subprocess.run(["unshare", "--mount", "sh", "-c", 'mount -t tmpfs -o size=24m tmpfs /dev/shm || exit 77; exec "$@"', "sh",
