@@ -170,10 +170,14 @@ std::vector<int> find_silent_nodes(Transport& transport, const JobResult& result
   for (const int node : silent) transport.send(node, AskPresent{});
   Backoff backoff;
   for (const double begin = now_s(); !silent.empty() && now_s() - begin < kLongest_s; backoff.wait())
-    while (const auto message = transport.try_receive())
-      if (message->channel == Channel::control &&
-          std::holds_alternative<Present>(decode_control(message->bytes)))
-        silent.erase(message->source);
+    while (const auto message = transport.try_receive()) {
+      if (message->channel != Channel::control) continue;
+      try {
+        if (std::holds_alternative<Present>(decode_control(message->bytes))) silent.erase(message->source);
+      } catch (const ProtocolError&) {
+        // The pictures are whole: a node that sends nonsense now is as good as silent.
+      }
+    }
   return {silent.begin(), silent.end()};
 }
 
