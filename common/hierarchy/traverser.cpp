@@ -20,87 +20,93 @@ using FloatTag = hn::CappedTag<float, 8>;
 using DoubleTag = hn::CappedTag<double, 8>;
 using HalfFloatTag = hn::Rebind<float, DoubleTag>;
 
-// Relative widening of box distances: covers the rounding of the reciprocal direction, the difference and the
-// product (three roundings of 2^-24 each, and the reciprocal's).
-constexpr float kWiden = 1.0f + 4.8e-7f;
-constexpr float kNarrow = 1.0f - 4.8e-7f;
+// Box distances are computed in float as plane × inverse + bias. Every step rounds by at most 2^-24 of
+// |plane × inverse| <= |t| + |origin × inverse|; there are four of them (the inverse, the bias, the product
+// and the sum). The part that grows with t is covered by widening the far distance, the other one by slack in
+// the bias.
+constexpr float kWiden = 1.0f + 0x1p-21f;
+constexpr double kSlack = 0x1p-22;
 constexpr int kStackSize = 7 * kMostHierarchyLevels + 8;
 
-inline float float_above(double v) {
-  const auto f = static_cast<float>(v);
-  return static_cast<double>(f) < v ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
+/// A float that no conservative comparison with `t` may fall below.
+inline float widened(double t) {
+  return static_cast<float>(t) * kWiden;
 }
 
 /// A ray in one space, prepared for box and triangle tests.
 struct PreparedRay {
   Vec3 origin, direction;
-  // Boxes: the origin rounded away from the near and far planes, and the reciprocal direction.
-  float near_origin[3], far_origin[3], inverse[3];
-  int near_side[3];
+  // Boxes.
+  std::array<float, 3> inverse, near_bias, far_bias;
+  std::array<uint32_t, 3> near_plane, far_plane;  ///< where the planes stand in a node, counted in floats
   // Triangles (Woop, Benthin, Wald 2013): the ray is sheared onto its largest axis kz.
   int kx, ky, kz;
   double shear_x, shear_y, shear_z;
-  double direction2;
 
   PreparedRay(const Vec3& o, const Vec3& d) : origin(o), direction(d) {
-    for (int axis = 0; axis < 3; ++axis) {
-      // A direction too small for a float's reciprocal acts as parallel; boxes are never thinner than their
-      // margin.
-      constexpr double kLeast = 1e-30;
-      const double component = std::abs(d[axis]) < kLeast ? std::copysign(kLeast, d[axis]) : d[axis];
-      inverse[axis] = static_cast<float>(1 / component);
-      if (std::isinf(inverse[axis])) inverse[axis] = std::copysign(1e30f, inverse[axis]);
-      const float up = float_above(o[axis]), down = -float_above(-o[axis]);
-      const bool forward = component > 0;
-      near_side[axis] = forward ? 0 : 1;
-      near_origin[axis] = forward ? up : down;
-      far_origin[axis] = forward ? down : up;
-    }
     const Vec3 magnitude = glm::abs(d);
     kz =
         magnitude.x > magnitude.y ? (magnitude.x > magnitude.z ? 0 : 2) : (magnitude.y > magnitude.z ? 1 : 2);
     kx = (kz + 1) % 3;
     ky = (kz + 2) % 3;
+    shear_z = 1 / d[kz];
     shear_x = d[kx] / d[kz];
     shear_y = d[ky] / d[kz];
-    shear_z = 1 / d[kz];
-    direction2 = glm::dot(d, d);
+    // A direction that is nearly parallel to a plane acts as one that meets it at 10^18 times the other
+    // distances: boxes are never thinner than their margin.
+    const double least = 1e-18 * magnitude[kz];
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<int>(axis);
+      const double exact = 1 / std::copysign(std::max(magnitude[i], least), d[i]);
+      const double bias = -o[i] * exact, slack = kSlack * std::abs(bias);
+      inverse[axis] = static_cast<float>(exact);
+      near_bias[axis] = static_cast<float>(bias - slack);
+      far_bias[axis] = static_cast<float>(bias + slack);
+      const bool forward = exact > 0;
+      near_plane[axis] = static_cast<uint32_t>(8 * (axis + (forward ? 0 : 3)));
+      far_plane[axis] = static_cast<uint32_t>(8 * (axis + (forward ? 3 : 0)));
+    }
   }
 };
 
-/// Bit i of the result: the ray meets child i's box in [0, t_max]. `entry` receives the children's near
+template <class D>
+HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
+  uint8_t bits[8];
+  hn::StoreMaskBits(d, mask, bits);
+  return bits[0];
+}
+
+/// Bit i of the result: the ray may meet child i's box in [0, t_max]. `entry` receives the children's near
 /// distances.
 HWY_INLINE uint32_t test_boxes(const VolumeNode& node, const PreparedRay& ray, float t_max,
                                float* HWY_RESTRICT entry) {
   const FloatTag d;
+  const float* const planes = node.planes[0][0].data();
   uint32_t mask = 0;
   for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    auto near = hn::Zero(d);
-    auto far = hn::Set(d, t_max);
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<size_t>(axis);
-      const auto inverse = hn::Set(d, ray.inverse[axis]);
-      const auto side = static_cast<size_t>(ray.near_side[axis]);
-      const auto near_plane = hn::Load(d, &node.planes[side][a][lane]);
-      const auto far_plane = hn::Load(d, &node.planes[1 - side][a][lane]);
-      near = hn::Max(near, hn::Mul(hn::Sub(near_plane, hn::Set(d, ray.near_origin[axis])), inverse));
-      far = hn::Min(far, hn::Mul(hn::Sub(far_plane, hn::Set(d, ray.far_origin[axis])), inverse));
-    }
-    near = hn::Mul(near, hn::Set(d, kNarrow));
-    far = hn::Mul(far, hn::Set(d, kWiden));
+    const auto near_x = hn::MulAdd(hn::Load(d, planes + ray.near_plane[0] + lane), hn::Set(d, ray.inverse[0]),
+                                   hn::Set(d, ray.near_bias[0]));
+    const auto near_y = hn::MulAdd(hn::Load(d, planes + ray.near_plane[1] + lane), hn::Set(d, ray.inverse[1]),
+                                   hn::Set(d, ray.near_bias[1]));
+    const auto near_z = hn::MulAdd(hn::Load(d, planes + ray.near_plane[2] + lane), hn::Set(d, ray.inverse[2]),
+                                   hn::Set(d, ray.near_bias[2]));
+    const auto far_x = hn::MulAdd(hn::Load(d, planes + ray.far_plane[0] + lane), hn::Set(d, ray.inverse[0]),
+                                  hn::Set(d, ray.far_bias[0]));
+    const auto far_y = hn::MulAdd(hn::Load(d, planes + ray.far_plane[1] + lane), hn::Set(d, ray.inverse[1]),
+                                  hn::Set(d, ray.far_bias[1]));
+    const auto far_z = hn::MulAdd(hn::Load(d, planes + ray.far_plane[2] + lane), hn::Set(d, ray.inverse[2]),
+                                  hn::Set(d, ray.far_bias[2]));
+    const auto near = hn::Max(hn::Max(near_x, near_y), hn::Max(near_z, hn::Zero(d)));
+    const auto far =
+        hn::Min(hn::Mul(hn::Min(hn::Min(far_x, far_y), far_z), hn::Set(d, kWiden)), hn::Set(d, t_max));
     hn::Store(near, d, entry + lane);
-    uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Le(near, far), bits);
-    mask |= static_cast<uint32_t>(bits[0]) << lane;
+    mask |= bits_of(d, hn::Le(near, far)) << lane;
   }
   return mask;
 }
 
-struct Candidate {
-  double t, u, v, w;
-};
-
-/// Bits of the lanes in which the ray meets a triangle at 0 < t <= t_max, with t and the barycentric weights.
+/// Bits of the lanes in which the ray meets a triangle at 0 < t <= t_max, with t and the barycentric weights
+/// times a common factor.
 HWY_INLINE uint32_t test_triangles(const TriangleBlock& block, const PreparedRay& ray, double t_max,
                                    double* HWY_RESTRICT out_t, double* HWY_RESTRICT out_u,
                                    double* HWY_RESTRICT out_v, double* HWY_RESTRICT out_w) {
@@ -137,12 +143,10 @@ HWY_INLINE uint32_t test_triangles(const TriangleBlock& block, const PreparedRay
     const auto accepted = hn::And(hn::And(inside, in_range), hn::Ne(determinant, zero));
     if (hn::AllFalse(d, accepted)) continue;
     hn::Store(t, d, out_t + lane);
-    hn::Store(hn::Div(u, determinant), d, out_u + lane);
-    hn::Store(hn::Div(v, determinant), d, out_v + lane);
-    hn::Store(hn::Div(w, determinant), d, out_w + lane);
-    uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, accepted, bits);
-    mask |= static_cast<uint32_t>(bits[0]) << lane;
+    hn::Store(u, d, out_u + lane);
+    hn::Store(v, d, out_v + lane);
+    hn::Store(w, d, out_w + lane);
+    mask |= bits_of(d, accepted) << lane;
   }
   return mask;
 }
@@ -155,7 +159,7 @@ HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PreparedRay& ra
   uint32_t mask = 0;
   const auto dx = hn::Set(d, ray.direction.x), dy = hn::Set(d, ray.direction.y),
              dz = hn::Set(d, ray.direction.z);
-  const auto a = hn::Set(d, ray.direction2);
+  const auto a = hn::Set(d, glm::dot(ray.direction, ray.direction));
   for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
     const auto ox = hn::Sub(hn::Set(d, ray.origin.x), hn::Load(d, &block.center[0][lane]));
     const auto oy = hn::Sub(hn::Set(d, ray.origin.y), hn::Load(d, &block.center[1][lane]));
@@ -184,9 +188,7 @@ HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PreparedRay& ra
     const auto accepted = hn::And(meets, hn::And(hn::Gt(t, zero), hn::Le(t, hn::Set(d, t_max))));
     if (hn::AllFalse(d, accepted)) continue;
     hn::Store(t, d, out_t + lane);
-    uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, accepted, bits);
-    mask |= static_cast<uint32_t>(bits[0]) << lane;
+    mask |= bits_of(d, accepted) << lane;
   }
   return mask;
 }
@@ -194,41 +196,17 @@ HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PreparedRay& ra
 /// Tests leaves and keeps the closest hit.
 class ClosestHit {
  public:
-  ClosestHit(const Scene& scene, Hit& hit) : scene_(scene), hit_(hit) {}
-  double t_max() const { return hit_.t; }
+  ClosestHit(const Scene& scene, Hit& hit) : scene_(scene), hit_(hit), t_far_(widened(hit.t)) {}
+  /// Boxes behind this distance need no visit.
+  float t_far() const { return t_far_; }
 
   /// False: go on. True: the search is over (never, for a closest hit).
-  bool test_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
-    switch (leaf.kind()) {
-      case ChildKind::triangles:
-        for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
-          const TriangleBlock& block = scene_.triangle_blocks[i];
-          HWY_ALIGN double t[8], u[8], v[8], w[8];
-          for (uint32_t mask = test_triangles(block, ray, hit_.t, t, u, v, w); mask; mask &= mask - 1) {
-            const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
-            const PrimitiveId id = make_primitive_id(PrimitiveKind::triangle, block.triangles[lane]);
-            if (hit_.is_beaten_by(t[lane], instance, id))
-              hit_ = {t[lane], instance, id, 8 * i + lane, u[lane], v[lane], w[lane]};
-          }
-        }
-        return false;
-      case ChildKind::spheres:
-        for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
-          const SphereBlock& block = scene_.sphere_blocks[i];
-          HWY_ALIGN double t[8];
-          for (uint32_t mask = test_spheres(block, ray, hit_.t, t); mask; mask &= mask - 1) {
-            const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
-            accept(t[lane], instance, make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]));
-          }
-        }
-        return false;
-      case ChildKind::mixed:
-        for (const PrimitiveId id : scene_.leaf_primitives.subspan(leaf.first, leaf.count()))
-          if (const auto t = intersect_one(scene_, id, ray, hit_.t)) accept(*t, instance, id);
-        return false;
-      default:
-        return false;
-    }
+  HWY_INLINE bool test_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
+    if (HWY_LIKELY(leaf.kind() == ChildKind::triangles))
+      test_triangle_leaf(leaf, ray, instance);
+    else
+      test_other_leaf(leaf, ray, instance);
+    return false;
   }
 
   static std::optional<double> intersect_one(const Scene& scene, PrimitiveId id, const PreparedRay& ray,
@@ -242,42 +220,79 @@ class ClosestHit {
   }
 
  private:
-  void accept(double t, uint32_t instance, PrimitiveId id) {
-    if (hit_.is_beaten_by(t, instance, id)) hit_ = {t, instance, id, 0, 0, 0, 0};
+  HWY_INLINE void test_triangle_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
+    for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
+      const TriangleBlock& block = scene_.triangle_blocks[i];
+      HWY_ALIGN double t[8], u[8], v[8], w[8];
+      for (uint32_t mask = test_triangles(block, ray, hit_.t, t, u, v, w); mask; mask &= mask - 1) {
+        const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+        const PrimitiveId id = make_primitive_id(PrimitiveKind::triangle, block.triangles[lane]);
+        if (hit_.is_beaten_by(t[lane], instance, id)) {
+          const double determinant = (u[lane] + v[lane]) + w[lane];
+          accept({t[lane], instance, id, 8 * i + lane, u[lane] / determinant, v[lane] / determinant,
+                  w[lane] / determinant});
+        }
+      }
+    }
   }
+
+  HWY_NOINLINE void test_other_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
+    if (leaf.kind() == ChildKind::spheres) {
+      for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
+        const SphereBlock& block = scene_.sphere_blocks[i];
+        HWY_ALIGN double t[8];
+        for (uint32_t mask = test_spheres(block, ray, hit_.t, t); mask; mask &= mask - 1) {
+          const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+          const PrimitiveId id = make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]);
+          if (hit_.is_beaten_by(t[lane], instance, id)) accept({t[lane], instance, id, 0, 0, 0, 0});
+        }
+      }
+    } else if (leaf.kind() == ChildKind::mixed) {
+      for (const PrimitiveId id : scene_.leaf_primitives.subspan(leaf.first, leaf.count()))
+        if (const auto t = intersect_one(scene_, id, ray, hit_.t); t && hit_.is_beaten_by(*t, instance, id))
+          accept({*t, instance, id, 0, 0, 0, 0});
+    }
+  }
+
+  void accept(const Hit& hit) {
+    hit_ = hit;
+    t_far_ = widened(hit.t);
+  }
+
   const Scene& scene_;
   Hit& hit_;
+  float t_far_;
 };
 
 /// Tests leaves until anything is hit.
 class AnyHit {
  public:
-  AnyHit(const Scene& scene, double t_max) : scene_(scene), t_max_(t_max) {}
-  double t_max() const { return t_max_; }
+  AnyHit(const Scene& scene, double t_max) : scene_(scene), t_max_(t_max), t_far_(widened(t_max)) {}
+  float t_far() const { return t_far_; }
 
-  bool test_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t /*instance*/) {
-    HWY_ALIGN double t[8], u[8], v[8], w[8];
-    switch (leaf.kind()) {
-      case ChildKind::triangles:
-        for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
-          if (before_t_max(test_triangles(scene_.triangle_blocks[i], ray, t_max_, t, u, v, w), t))
-            return true;
-        return false;
-      case ChildKind::spheres:
-        for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
-          if (before_t_max(test_spheres(scene_.sphere_blocks[i], ray, t_max_, t), t)) return true;
-        return false;
-      case ChildKind::mixed:
-        for (const PrimitiveId id : scene_.leaf_primitives.subspan(leaf.first, leaf.count()))
-          if (const auto found = ClosestHit::intersect_one(scene_, id, ray, t_max_); found && *found < t_max_)
-            return true;
-        return false;
-      default:
-        return false;
+  HWY_INLINE bool test_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t /*instance*/) const {
+    if (HWY_LIKELY(leaf.kind() == ChildKind::triangles)) {
+      HWY_ALIGN double t[8], u[8], v[8], w[8];
+      for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
+        if (before_t_max(test_triangles(scene_.triangle_blocks[i], ray, t_max_, t, u, v, w), t)) return true;
+      return false;
     }
+    return test_other_leaf(leaf, ray);
   }
 
  private:
+  HWY_NOINLINE bool test_other_leaf(const ChildRef& leaf, const PreparedRay& ray) const {
+    if (leaf.kind() == ChildKind::spheres) {
+      HWY_ALIGN double t[8];
+      for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
+        if (before_t_max(test_spheres(scene_.sphere_blocks[i], ray, t_max_, t), t)) return true;
+    } else if (leaf.kind() == ChildKind::mixed) {
+      for (const PrimitiveId id : scene_.leaf_primitives.subspan(leaf.first, leaf.count()))
+        if (const auto found = ClosestHit::intersect_one(scene_, id, ray, t_max_); found && *found < t_max_)
+          return true;
+    }
+    return false;
+  }
   bool before_t_max(uint32_t mask, const double* t) const {
     for (; mask; mask &= mask - 1)
       if (t[std::countr_zero(mask)] < t_max_) return true;
@@ -285,45 +300,62 @@ class AnyHit {
   }
   const Scene& scene_;
   double t_max_;
+  float t_far_;
 };
 
 /// Walks a tree of volume nodes: nearest child first, and nothing that lies behind the closest hit so far.
 /// `visit_leaf(child)` returns true to end the search.
 template <typename Search, typename VisitLeaf>
-HWY_INLINE bool walk(std::span<const VolumeNode> nodes, ChildRef root, const PreparedRay& ray, Search& search,
-                     VisitLeaf visit_leaf) {
-  struct Entry {
-    ChildRef child;
+HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, const PreparedRay& ray,
+                     Search& search, VisitLeaf visit_leaf) {
+  struct Entry {  // without initialisers, which would clear the whole stack for every ray
+    uint32_t first, meta;
     float t;
+    ChildRef child() const { return {first, meta}; }
   };
-  if (root.kind() == ChildKind::empty) return false;
-  if (root.kind() != ChildKind::inner) return visit_leaf(root);
+  const auto entry_of = [](ChildRef child, float t) HWY_ATTR { return Entry{child.first, child.meta, t}; };
   Entry stack[kStackSize];
-  int top = 0;
+  Entry* top = stack;
   ChildRef current = root;
   while (true) {
-    const VolumeNode& node = nodes[current.first];
-    HWY_ALIGN float entry[8];
-    uint32_t mask = test_boxes(node, ray, float_above(search.t_max()), entry);
-    // Insert the children that are met into the stack, farthest first.
-    const int base = top;
-    for (; mask; mask &= mask - 1) {
-      const auto lane = static_cast<size_t>(std::countr_zero(mask));
-      int place = top++;
-      for (; place > base && stack[place - 1].t < entry[lane]; --place) stack[place] = stack[place - 1];
-      stack[place] = {node.children[lane], entry[lane]};
-    }
-    // Take the nearest; leaves are tested at once, and what now lies behind the closest hit is dropped.
-    while (true) {
-      if (top == 0) return false;
-      const Entry next = stack[--top];
-      if (static_cast<double>(next.t) > search.t_max()) continue;
-      if (next.child.kind() == ChildKind::inner) {
-        current = next.child;
-        break;
+    while (current.kind() == ChildKind::inner) {
+      const VolumeNode& node = nodes[current.first];
+      HWY_ALIGN float entry[8];
+      uint32_t mask = test_boxes(node, ray, search.t_far(), entry);
+      if (mask == 0) goto next;
+      const auto first = static_cast<size_t>(std::countr_zero(mask));
+      mask &= mask - 1;
+      current = node.children[first];
+      if (mask == 0) continue;
+      // Of two, the farther waits.
+      const auto second = static_cast<size_t>(std::countr_zero(mask));
+      mask &= mask - 1;
+      if (mask == 0) {
+        const bool in_order = entry[first] <= entry[second];
+        const size_t later = in_order ? second : first;
+        *top++ = entry_of(node.children[later], entry[later]);
+        current = node.children[in_order ? first : second];
+        continue;
       }
-      if (visit_leaf(next.child)) return true;
+      // More are sorted on the stack, the nearest on top.
+      Entry* const base = top;
+      *top++ = entry_of(current, entry[first]);
+      const auto insert = [&](size_t slot) HWY_ATTR {
+        Entry* place = top++;
+        for (; place > base && place[-1].t < entry[slot]; --place) *place = place[-1];
+        *place = entry_of(node.children[slot], entry[slot]);
+      };
+      insert(second);
+      for (; mask; mask &= mask - 1) insert(static_cast<size_t>(std::countr_zero(mask)));
+      current = (--top)->child();
     }
+    if (visit_leaf(current)) return true;
+  next:
+    do {
+      if (top == stack) return false;
+      --top;
+    } while (top->t > search.t_far());
+    current = top->child();
   }
 }
 
@@ -333,7 +365,7 @@ bool walk_instance(const Scene& scene, const Pose& pose, const Ray& world_ray, c
   const Part& part = scene.parts[scene.instances[instance].part];
   const InstancePose& place = pose.instances[instance];
   const auto search_part = [&](const PreparedRay& ray) HWY_ATTR {
-    return walk(scene.nodes, part.root, ray, search,
+    return walk(scene.nodes.data(), part.root, ray, search,
                 [&](const ChildRef& leaf) HWY_ATTR { return search.test_leaf(leaf, ray, instance); });
   };
   if (place.is_identity) return search_part(prepared);
@@ -344,11 +376,12 @@ bool walk_instance(const Scene& scene, const Pose& pose, const Ray& world_ray, c
 template <typename Search>
 HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, const Ray& ray, Search& search) {
   const PreparedRay prepared(ray.origin, ray.direction);
-  return walk(pose.nodes, scene.head().object_root, prepared, search, [&](const ChildRef& leaf) HWY_ATTR {
-    for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count()))
-      if (walk_instance(scene, pose, ray, prepared, instance, search)) return true;
-    return false;
-  });
+  return walk(pose.nodes.data(), scene.head().object_root, prepared, search,
+              [&](const ChildRef& leaf) HWY_ATTR {
+                for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count()))
+                  if (walk_instance(scene, pose, ray, prepared, instance, search)) return true;
+                return false;
+              });
 }
 
 Hit find_closest(const Scene& scene, const Pose& pose, const Ray& ray) {
