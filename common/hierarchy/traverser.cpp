@@ -22,52 +22,16 @@ using HalfFloatTag = hn::Rebind<float, DoubleTag>;
 
 // Box distances are computed in float as plane × inverse + bias. Every step rounds by at most 2^-24 of
 // |plane × inverse| <= |t| + |origin × inverse|; there are four of them (the inverse, the bias, the product
-// and the sum). The part that grows with t is covered by widening the far distance, the other one by slack in
-// the bias.
-constexpr float kWiden = 1.0f + 0x1p-21f;
-constexpr double kSlack = 0x1p-22;
+// and the sum). The part that grows with t is covered by widening the far distances, the other one by slack
+// in the bias.
+constexpr double kWiden = 1 + 0x1p-21;
+constexpr double kSlack = 0x1p-21;
 constexpr int kStackSize = 7 * kMostHierarchyLevels + 8;
 
 /// A float that no conservative comparison with `t` may fall below.
 inline float widened(double t) {
-  return static_cast<float>(t) * kWiden;
+  return static_cast<float>(t * kWiden);
 }
-
-/// A ray in one space, prepared for box and triangle tests.
-struct PreparedRay {
-  Vec3 origin, direction;
-  // Boxes.
-  std::array<float, 3> inverse, near_bias, far_bias;
-  std::array<uint32_t, 3> near_plane, far_plane;  ///< where the planes stand in a node, counted in floats
-  // Triangles (Woop, Benthin, Wald 2013): the ray is sheared onto its largest axis kz.
-  int kx, ky, kz;
-  double shear_x, shear_y, shear_z;
-
-  PreparedRay(const Vec3& o, const Vec3& d) : origin(o), direction(d) {
-    const Vec3 magnitude = glm::abs(d);
-    kz =
-        magnitude.x > magnitude.y ? (magnitude.x > magnitude.z ? 0 : 2) : (magnitude.y > magnitude.z ? 1 : 2);
-    kx = (kz + 1) % 3;
-    ky = (kz + 2) % 3;
-    shear_z = 1 / d[kz];
-    shear_x = d[kx] / d[kz];
-    shear_y = d[ky] / d[kz];
-    // A direction that is nearly parallel to a plane acts as one that meets it at 10^18 times the other
-    // distances: boxes are never thinner than their margin.
-    const double least = 1e-18 * magnitude[kz];
-    for (size_t axis = 0; axis < 3; ++axis) {
-      const auto i = static_cast<int>(axis);
-      const double exact = 1 / std::copysign(std::max(magnitude[i], least), d[i]);
-      const double bias = -o[i] * exact, slack = kSlack * std::abs(bias);
-      inverse[axis] = static_cast<float>(exact);
-      near_bias[axis] = static_cast<float>(bias - slack);
-      far_bias[axis] = static_cast<float>(bias + slack);
-      const bool forward = exact > 0;
-      near_plane[axis] = static_cast<uint32_t>(8 * (axis + (forward ? 0 : 3)));
-      far_plane[axis] = static_cast<uint32_t>(8 * (axis + (forward ? 3 : 0)));
-    }
-  }
-};
 
 template <class D>
 HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
@@ -76,34 +40,100 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
   return bits[0];
 }
 
-/// Bit i of the result: the ray may meet child i's box in [0, t_max]. `entry` receives the children's near
-/// distances.
-HWY_INLINE uint32_t test_boxes(const VolumeNode& node, const PreparedRay& ray, float t_max,
-                               float* HWY_RESTRICT entry) {
-  const FloatTag d;
-  const float* const planes = node.planes[0][0].data();
-  uint32_t mask = 0;
-  for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    const auto near_x = hn::MulAdd(hn::Load(d, planes + ray.near_plane[0] + lane), hn::Set(d, ray.inverse[0]),
-                                   hn::Set(d, ray.near_bias[0]));
-    const auto near_y = hn::MulAdd(hn::Load(d, planes + ray.near_plane[1] + lane), hn::Set(d, ray.inverse[1]),
-                                   hn::Set(d, ray.near_bias[1]));
-    const auto near_z = hn::MulAdd(hn::Load(d, planes + ray.near_plane[2] + lane), hn::Set(d, ray.inverse[2]),
-                                   hn::Set(d, ray.near_bias[2]));
-    const auto far_x = hn::MulAdd(hn::Load(d, planes + ray.far_plane[0] + lane), hn::Set(d, ray.inverse[0]),
-                                  hn::Set(d, ray.far_bias[0]));
-    const auto far_y = hn::MulAdd(hn::Load(d, planes + ray.far_plane[1] + lane), hn::Set(d, ray.inverse[1]),
-                                  hn::Set(d, ray.far_bias[1]));
-    const auto far_z = hn::MulAdd(hn::Load(d, planes + ray.far_plane[2] + lane), hn::Set(d, ray.inverse[2]),
-                                  hn::Set(d, ray.far_bias[2]));
-    const auto near = hn::Max(hn::Max(near_x, near_y), hn::Max(near_z, hn::Zero(d)));
-    const auto far =
-        hn::Min(hn::Mul(hn::Min(hn::Min(far_x, far_y), far_z), hn::Set(d, kWiden)), hn::Set(d, t_max));
-    hn::Store(near, d, entry + lane);
-    mask |= bits_of(d, hn::Le(near, far)) << lane;
+/// A ray in one space, prepared for box and triangle tests.
+struct PreparedRay {
+  Vec3 origin, direction;
+  // Boxes; the fourth element is padding.
+  HWY_ALIGN std::array<float, 4> near_inverse, near_bias, far_inverse, far_bias;
+  uint32_t backward = 0;  ///< bit i: the direction's component i is negative
+  // Triangles (Woop, Benthin, Wald 2013): the ray is sheared onto its largest axis kz.
+  size_t kx, ky, kz;
+  double shear_x, shear_y, shear_z;
+
+  HWY_INLINE PreparedRay(const Vec3& o, const Vec3& d) : origin(o), direction(d) {
+    const Vec3 magnitude = glm::abs(d);
+    const double largest_xy = std::max(magnitude.x, magnitude.y);
+    kz = magnitude.z >= largest_xy ? 2 : (magnitude.y > magnitude.x ? 1 : 0);
+    kx = kz == 2 ? 0 : kz + 1;
+    ky = kx == 2 ? 0 : kx + 1;
+    // A direction that is nearly parallel to a plane acts as one that meets it at 10^18 times the other
+    // distances: boxes are never thinner than their margin.
+    const hn::CappedTag<double, 4> wide;
+    const hn::Rebind<float, decltype(wide)> narrow;
+    HWY_ALIGN const double origins[4] = {o.x, o.y, o.z, 0}, directions[4] = {d.x, d.y, d.z, 1};
+    HWY_ALIGN double inverses[4];
+    const auto least = hn::Set(wide, 1e-18 * std::max(largest_xy, magnitude.z));
+    for (size_t i = 0; i < 4; i += hn::Lanes(wide)) {
+      const auto component = hn::Load(wide, directions + i);
+      const auto inverse =
+          hn::Div(hn::Set(wide, 1.0), hn::CopySign(hn::Max(hn::Abs(component), least), component));
+      const auto bias = hn::Neg(hn::Mul(hn::Load(wide, origins + i), inverse));
+      const auto slack = hn::Mul(hn::Abs(bias), hn::Set(wide, kSlack));
+      hn::Store(inverse, wide, inverses + i);
+      hn::Store(hn::DemoteTo(narrow, inverse), narrow, &near_inverse[i]);
+      hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(wide, kWiden))), narrow, &far_inverse[i]);
+      hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, &near_bias[i]);
+      hn::Store(hn::DemoteTo(narrow, hn::Add(hn::Mul(bias, hn::Set(wide, kWiden)), slack)), narrow,
+                &far_bias[i]);
+      backward |= bits_of(wide, hn::Lt(inverse, hn::Zero(wide))) << i;
+    }
+    shear_z = inverses[kz];
+    shear_x = directions[kx] * shear_z;
+    shear_y = directions[ky] * shear_z;
   }
-  return mask;
-}
+};
+
+/// The box test of one ray, with its constants in registers.
+class BoxTest {
+ public:
+  HWY_INLINE explicit BoxTest(const PreparedRay& ray)
+      : near_inverse_x_(hn::Set(d_, ray.near_inverse[0])),
+        far_inverse_x_(hn::Set(d_, ray.far_inverse[0])),
+        near_inverse_y_(hn::Set(d_, ray.near_inverse[1])),
+        far_inverse_y_(hn::Set(d_, ray.far_inverse[1])),
+        near_inverse_z_(hn::Set(d_, ray.near_inverse[2])),
+        far_inverse_z_(hn::Set(d_, ray.far_inverse[2])),
+        near_bias_x_(hn::Set(d_, ray.near_bias[0])),
+        near_bias_y_(hn::Set(d_, ray.near_bias[1])),
+        near_bias_z_(hn::Set(d_, ray.near_bias[2])),
+        far_bias_x_(hn::Set(d_, ray.far_bias[0])),
+        far_bias_y_(hn::Set(d_, ray.far_bias[1])),
+        far_bias_z_(hn::Set(d_, ray.far_bias[2])),
+        near_x_(24 * (ray.backward & 1)),
+        near_y_(8 + 24 * (ray.backward >> 1 & 1)),
+        near_z_(16 + 24 * (ray.backward >> 2 & 1)),
+        far_x_(24u - near_x_),
+        far_y_(40u - near_y_),
+        far_z_(56u - near_z_) {}
+
+  /// Bit i of the result: the ray may meet child i's box in [0, t_far]. `entry` receives the children's near
+  /// distances.
+  HWY_INLINE uint32_t operator()(const VolumeNode& node, float t_far, float* HWY_RESTRICT entry) const {
+    const float* const planes = node.planes[0][0].data();
+    uint32_t mask = 0;
+    for (size_t lane = 0; lane < 8; lane += hn::Lanes(d_)) {
+      const auto near_x = hn::MulAdd(hn::Load(d_, planes + near_x_ + lane), near_inverse_x_, near_bias_x_);
+      const auto near_y = hn::MulAdd(hn::Load(d_, planes + near_y_ + lane), near_inverse_y_, near_bias_y_);
+      const auto near_z = hn::MulAdd(hn::Load(d_, planes + near_z_ + lane), near_inverse_z_, near_bias_z_);
+      const auto far_x = hn::MulAdd(hn::Load(d_, planes + far_x_ + lane), far_inverse_x_, far_bias_x_);
+      const auto far_y = hn::MulAdd(hn::Load(d_, planes + far_y_ + lane), far_inverse_y_, far_bias_y_);
+      const auto far_z = hn::MulAdd(hn::Load(d_, planes + far_z_ + lane), far_inverse_z_, far_bias_z_);
+      const auto near = hn::Max(hn::Max(near_x, near_y), hn::Max(near_z, hn::Zero(d_)));
+      const auto far = hn::Min(hn::Min(far_x, far_y), hn::Min(far_z, hn::Set(d_, t_far)));
+      hn::Store(near, d_, entry + lane);
+      mask |= bits_of(d_, hn::Le(near, far)) << lane;
+    }
+    return mask;
+  }
+
+ private:
+  using V = hn::Vec<FloatTag>;
+  FloatTag d_;
+  V near_inverse_x_, far_inverse_x_, near_inverse_y_, far_inverse_y_, near_inverse_z_, far_inverse_z_;
+  V near_bias_x_, near_bias_y_, near_bias_z_, far_bias_x_, far_bias_y_, far_bias_z_;
+  size_t near_x_, near_y_, near_z_, far_x_, far_y_,
+      far_z_;  ///< where the planes stand in a node, counted in floats
+};
 
 /// Bits of the lanes in which the ray meets a triangle at 0 < t <= t_max, with t and the barycentric weights
 /// times a common factor.
@@ -115,9 +145,9 @@ HWY_INLINE uint32_t test_triangles(const TriangleBlock& block, const PreparedRay
   const auto zero = hn::Zero(d);
   uint32_t mask = 0;
   for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    const auto coordinate = [&](size_t vertex, int axis) HWY_ATTR {
-      return hn::Sub(hn::PromoteTo(d, hn::Load(f, &block.vertices[vertex][static_cast<size_t>(axis)][lane])),
-                     hn::Set(d, ray.origin[axis]));
+    const auto coordinate = [&](size_t vertex, size_t axis) HWY_ATTR {
+      return hn::Sub(hn::PromoteTo(d, hn::Load(f, &block.vertices[vertex][axis][lane])),
+                     hn::Set(d, ray.origin[static_cast<int>(axis)]));
     };
     const auto az = coordinate(0, ray.kz), bz = coordinate(1, ray.kz), cz = coordinate(2, ray.kz);
     const auto sx = hn::Set(d, ray.shear_x), sy = hn::Set(d, ray.shear_y);
@@ -308,80 +338,94 @@ class AnyHit {
 template <typename Search, typename VisitLeaf>
 HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, const PreparedRay& ray,
                      Search& search, VisitLeaf visit_leaf) {
-  struct Entry {  // without initialisers, which would clear the whole stack for every ray
-    uint32_t first, meta;
+  struct Entry {
+    uint64_t child;  ///< a ChildRef
     float t;
-    ChildRef child() const { return {first, meta}; }
   };
-  const auto entry_of = [](ChildRef child, float t) HWY_ATTR { return Entry{child.first, child.meta, t}; };
-  Entry stack[kStackSize];
+  Entry stack[kStackSize];  // not initialised: clearing it would cost more than many a walk
   Entry* top = stack;
-  ChildRef current = root;
+  uint64_t current = std::bit_cast<uint64_t>(root);
+  const auto child_of = [](const VolumeNode& node, size_t slot)
+                            HWY_ATTR { return std::bit_cast<uint64_t>(node.children[slot]); };
   while (true) {
-    while (current.kind() == ChildKind::inner) {
-      const VolumeNode& node = nodes[current.first];
+    const BoxTest test_boxes(ray);  // here, so that a visit to a leaf need not save and restore its registers
+    while (std::bit_cast<ChildRef>(current).kind() == ChildKind::inner) {
+      const VolumeNode& node = nodes[std::bit_cast<ChildRef>(current).first];
       HWY_ALIGN float entry[8];
-      uint32_t mask = test_boxes(node, ray, search.t_far(), entry);
+      uint32_t mask = test_boxes(node, search.t_far(), entry);
       if (mask == 0) goto next;
       const auto first = static_cast<size_t>(std::countr_zero(mask));
       mask &= mask - 1;
-      current = node.children[first];
+      current = child_of(node, first);
       if (mask == 0) continue;
       // Of two, the farther waits.
       const auto second = static_cast<size_t>(std::countr_zero(mask));
       mask &= mask - 1;
       if (mask == 0) {
-        const bool in_order = entry[first] <= entry[second];
-        const size_t later = in_order ? second : first;
-        *top++ = entry_of(node.children[later], entry[later]);
-        current = node.children[in_order ? first : second];
+        const uint64_t other = child_of(node, second);
+        if (entry[first] <= entry[second]) {
+          *top++ = {other, entry[second]};
+        } else {
+          *top++ = {current, entry[first]};
+          current = other;
+        }
         continue;
       }
       // More are sorted on the stack, the nearest on top.
       Entry* const base = top;
-      *top++ = entry_of(current, entry[first]);
+      *top++ = {current, entry[first]};
       const auto insert = [&](size_t slot) HWY_ATTR {
         Entry* place = top++;
         for (; place > base && place[-1].t < entry[slot]; --place) *place = place[-1];
-        *place = entry_of(node.children[slot], entry[slot]);
+        *place = {child_of(node, slot), entry[slot]};
       };
       insert(second);
       for (; mask; mask &= mask - 1) insert(static_cast<size_t>(std::countr_zero(mask)));
-      current = (--top)->child();
+      current = (--top)->child;
     }
-    if (visit_leaf(current)) return true;
+    if (visit_leaf(std::bit_cast<ChildRef>(current))) return true;
   next:
     do {
       if (top == stack) return false;
       --top;
     } while (top->t > search.t_far());
-    current = top->child();
+    current = top->child;
   }
 }
 
 template <typename Search>
-bool walk_instance(const Scene& scene, const Pose& pose, const Ray& world_ray, const PreparedRay& prepared,
-                   uint32_t instance, Search& search) {
+HWY_INLINE bool walk_part(const Scene& scene, uint32_t instance, const PreparedRay& ray, Search& search) {
   const Part& part = scene.parts[scene.instances[instance].part];
-  const InstancePose& place = pose.instances[instance];
-  const auto search_part = [&](const PreparedRay& ray) HWY_ATTR {
-    return walk(scene.nodes.data(), part.root, ray, search,
-                [&](const ChildRef& leaf) HWY_ATTR { return search.test_leaf(leaf, ray, instance); });
-  };
-  if (place.is_identity) return search_part(prepared);
-  return search_part(PreparedRay(place.object_from_world.point(world_ray.origin),
-                                 place.object_from_world.vector(world_ray.direction)));
+  return walk(scene.nodes.data(), part.root, ray, search,
+              [&](const ChildRef& leaf) HWY_ATTR __attribute__((always_inline)) { return search.test_leaf(leaf, ray, instance); });
+}
+
+/// Walks the parts of a leaf of the object part.
+template <typename Search>
+HWY_NOINLINE bool walk_instances(const Scene& scene, const Pose& pose, const PreparedRay& world_ray,
+                                 const ChildRef& leaf, Search& search) {
+  for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
+    const InstancePose& place = pose.instances[instance];
+    const bool is_over = place.is_identity
+                             ? walk_part(scene, instance, world_ray, search)
+                             : walk_part(scene, instance,
+                                         PreparedRay(place.object_from_world.point(world_ray.origin),
+                                                     place.object_from_world.vector(world_ray.direction)),
+                                         search);
+    if (is_over) return true;
+  }
+  return false;
 }
 
 template <typename Search>
 HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, const Ray& ray, Search& search) {
   const PreparedRay prepared(ray.origin, ray.direction);
-  return walk(pose.nodes.data(), scene.head().object_root, prepared, search,
-              [&](const ChildRef& leaf) HWY_ATTR {
-                for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count()))
-                  if (walk_instance(scene, pose, ray, prepared, instance, search)) return true;
-                return false;
-              });
+  const ChildRef root = scene.head().object_root;
+  if (root.kind() == ChildKind::empty) return false;
+  if (root.kind() == ChildKind::instances) return walk_instances(scene, pose, prepared, root, search);
+  return walk(pose.nodes.data(), root, prepared, search, [&](const ChildRef& leaf) HWY_ATTR {
+    return walk_instances(scene, pose, prepared, leaf, search);
+  });
 }
 
 Hit find_closest(const Scene& scene, const Pose& pose, const Ray& ray) {
