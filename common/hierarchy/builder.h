@@ -11,7 +11,7 @@
 
 namespace rayfarm {
 
-/// What the builder asks about the primitives of one part.
+/// What the builder asks about the primitives of one part. Asked from several threads at once.
 class PrimitiveSource {
  public:
   virtual ~PrimitiveSource() = default;
@@ -21,11 +21,16 @@ class PrimitiveSource {
   virtual Box clipped(uint32_t primitive, const Box& cell) const = 0;
 };
 
-/// A primitive, or a clipped piece of one.
+/// A primitive, or a clipped piece of one, with its bounds rounded outward. 32 bytes.
 struct PrimitiveReference {
-  uint32_t primitive = 0;
-  Box box;
+  std::array<float, 3> lo;
+  uint32_t primitive;
+  std::array<float, 3> hi;
+  uint32_t padding;
+
+  Box box() const { return {Vec3(lo[0], lo[1], lo[2]), Vec3(hi[0], hi[1], hi[2])}; }
 };
+PrimitiveReference make_reference(uint32_t primitive, const Box& box);
 
 /// How a node's data are divided among its children.
 enum class SplitRule : uint8_t {
@@ -42,12 +47,20 @@ struct BuildOptions {
 using LeafMaker = std::function<ChildRef(std::span<const PrimitiveReference>)>;
 
 /// Appends the hierarchy's nodes to `nodes`, parents before children, and returns its root (empty without
-/// primitives). The depth is below kMostHierarchyLevels.
+/// primitives). The depth is below kMostHierarchyLevels. Uses every core of the machine; the result does not
+/// depend on how many there are.
 ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
                          const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes);
 
+/// The two rules (sah_builder.cpp, thesis_builder.cpp). `references` is not empty.
+ChildRef build_sah(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
+                   const BuildOptions& options, const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes);
+ChildRef build_thesis(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
+                      const BuildOptions& options, const LeafMaker& make_leaf,
+                      std::vector<VolumeNode>& nodes);
+
 /// A traverser's stack must hold this many levels, one of them made by the structurer.
-inline constexpr int kMostHierarchyLevels = 50;
+inline constexpr int kMostHierarchyLevels = 72;
 
 /// A node with eight unused slots.
 VolumeNode make_empty_node();

@@ -61,7 +61,7 @@ ChildRef pack_leaf(std::span<const PrimitiveReference> references, const PartPri
                          : id.kind() == PrimitiveKind::sphere ? 1
                                                               : 2;
     groups[group].push_back(id);
-    boxes[group].grow(r.box);
+    boxes[group].grow(r.box());
   }
   const auto pack = [&](size_t group) {
     if (group == 0) return pack_triangles(groups[0], part, arrays);

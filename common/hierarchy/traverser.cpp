@@ -40,46 +40,69 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
   return bits[0];
 }
 
+using WideTag = hn::CappedTag<double, 4>;
+using NarrowTag = hn::Rebind<float, WideTag>;
+
 /// A ray in one space, prepared for box and triangle tests.
 struct PreparedRay {
-  Vec3 origin, direction;
-  // Boxes; the fourth element is padding.
-  HWY_ALIGN std::array<float, 4> near_inverse, near_bias, far_inverse, far_bias;
-  uint32_t backward = 0;  ///< bit i: the direction's component i is negative
+  HWY_ALIGN std::array<double, 4> origin, direction;  ///< the fourth element of each array is padding
+  // Boxes.
+  std::array<float, 4> near_inverse, near_bias, far_inverse, far_bias;
+  uint32_t backward;  ///< bit i: component i of the direction is negative
   // Triangles (Woop, Benthin, Wald 2013): the ray is sheared onto its largest axis kz.
-  size_t kx, ky, kz;
+  uint32_t kx, ky, kz;
   double shear_x, shear_y, shear_z;
 
-  HWY_INLINE PreparedRay(const Vec3& o, const Vec3& d) : origin(o), direction(d) {
-    const Vec3 magnitude = glm::abs(d);
-    const double largest_xy = std::max(magnitude.x, magnitude.y);
-    kz = magnitude.z >= largest_xy ? 2 : (magnitude.y > magnitude.x ? 1 : 0);
-    kx = kz == 2 ? 0 : kz + 1;
-    ky = kx == 2 ? 0 : kx + 1;
+  /// From a ray in the world.
+  HWY_INLINE explicit PreparedRay(const Ray& ray) {
+    // The fourth element that is read here is the member behind the vector.
+    static_assert(offsetof(Ray, direction) == 3 * sizeof(double) && sizeof(Ray) == 7 * sizeof(double));
+    const auto* const numbers = reinterpret_cast<const double*>(&ray);
+    const WideTag d;
+    for (size_t i = 0; i < 4; i += hn::Lanes(d)) {
+      hn::Store(hn::LoadU(d, numbers + i), d, &origin[i]);
+      hn::Store(hn::LoadU(d, numbers + 3 + i), d, &direction[i]);
+    }
+    prepare();
+  }
+  HWY_INLINE PreparedRay(const Vec3& o, const Vec3& d)
+      : origin{o.x, o.y, o.z, 0}, direction{d.x, d.y, d.z, 0} {
+    prepare();
+  }
+  Vec3 origin_vector() const { return {origin[0], origin[1], origin[2]}; }
+  Vec3 direction_vector() const { return {direction[0], direction[1], direction[2]}; }
+
+ private:
+  HWY_INLINE void prepare() {
+    const double x = std::abs(direction[0]), y = std::abs(direction[1]), z = std::abs(direction[2]);
+    const double largest_xy = std::max(x, y), largest = std::max(largest_xy, z);
+    const uint32_t x_or_y = x >= y ? 0 : 1;
+    kz = z >= largest_xy ? 2 : x_or_y;
+    kx = 0x021u >> (4 * kz) & 3;  // (kz + 1) mod 3
+    ky = 0x102u >> (4 * kz) & 3;  // (kz + 2) mod 3
     // A direction that is nearly parallel to a plane acts as one that meets it at 10^18 times the other
     // distances: boxes are never thinner than their margin.
-    const hn::CappedTag<double, 4> wide;
-    const hn::Rebind<float, decltype(wide)> narrow;
-    HWY_ALIGN const double origins[4] = {o.x, o.y, o.z, 0}, directions[4] = {d.x, d.y, d.z, 1};
+    const WideTag wide;
+    const NarrowTag narrow;
     HWY_ALIGN double inverses[4];
-    const auto least = hn::Set(wide, 1e-18 * std::max(largest_xy, magnitude.z));
+    const auto least = hn::Set(wide, 1e-18 * largest);
+    backward = 0;
     for (size_t i = 0; i < 4; i += hn::Lanes(wide)) {
-      const auto component = hn::Load(wide, directions + i);
+      const auto component = hn::Load(wide, &direction[i]);
       const auto inverse =
           hn::Div(hn::Set(wide, 1.0), hn::CopySign(hn::Max(hn::Abs(component), least), component));
-      const auto bias = hn::Neg(hn::Mul(hn::Load(wide, origins + i), inverse));
+      const auto bias = hn::Neg(hn::Mul(hn::Load(wide, &origin[i]), inverse));
       const auto slack = hn::Mul(hn::Abs(bias), hn::Set(wide, kSlack));
       hn::Store(inverse, wide, inverses + i);
       hn::Store(hn::DemoteTo(narrow, inverse), narrow, &near_inverse[i]);
       hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(wide, kWiden))), narrow, &far_inverse[i]);
       hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, &near_bias[i]);
-      hn::Store(hn::DemoteTo(narrow, hn::Add(hn::Mul(bias, hn::Set(wide, kWiden)), slack)), narrow,
-                &far_bias[i]);
-      backward |= bits_of(wide, hn::Lt(inverse, hn::Zero(wide))) << i;
+      hn::Store(hn::DemoteTo(narrow, hn::Add(bias, hn::Add(slack, slack))), narrow, &far_bias[i]);
+      backward |= bits_of(wide, hn::Lt(component, hn::Zero(wide))) << i;
     }
     shear_z = inverses[kz];
-    shear_x = directions[kx] * shear_z;
-    shear_y = directions[ky] * shear_z;
+    shear_x = direction[kx] * shear_z;
+    shear_y = direction[ky] * shear_z;
   }
 };
 
@@ -147,7 +170,7 @@ HWY_INLINE uint32_t test_triangles(const TriangleBlock& block, const PreparedRay
   for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
     const auto coordinate = [&](size_t vertex, size_t axis) HWY_ATTR {
       return hn::Sub(hn::PromoteTo(d, hn::Load(f, &block.vertices[vertex][axis][lane])),
-                     hn::Set(d, ray.origin[static_cast<int>(axis)]));
+                     hn::Set(d, ray.origin[axis]));
     };
     const auto az = coordinate(0, ray.kz), bz = coordinate(1, ray.kz), cz = coordinate(2, ray.kz);
     const auto sx = hn::Set(d, ray.shear_x), sy = hn::Set(d, ray.shear_y);
@@ -187,13 +210,13 @@ HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PreparedRay& ra
   const DoubleTag d;
   const auto zero = hn::Zero(d);
   uint32_t mask = 0;
-  const auto dx = hn::Set(d, ray.direction.x), dy = hn::Set(d, ray.direction.y),
-             dz = hn::Set(d, ray.direction.z);
-  const auto a = hn::Set(d, glm::dot(ray.direction, ray.direction));
+  const auto dx = hn::Set(d, ray.direction[0]), dy = hn::Set(d, ray.direction[1]),
+             dz = hn::Set(d, ray.direction[2]);
+  const auto a = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
   for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    const auto ox = hn::Sub(hn::Set(d, ray.origin.x), hn::Load(d, &block.center[0][lane]));
-    const auto oy = hn::Sub(hn::Set(d, ray.origin.y), hn::Load(d, &block.center[1][lane]));
-    const auto oz = hn::Sub(hn::Set(d, ray.origin.z), hn::Load(d, &block.center[2][lane]));
+    const auto ox = hn::Sub(hn::Set(d, ray.origin[0]), hn::Load(d, &block.center[0][lane]));
+    const auto oy = hn::Sub(hn::Set(d, ray.origin[1]), hn::Load(d, &block.center[1][lane]));
+    const auto oz = hn::Sub(hn::Set(d, ray.origin[2]), hn::Load(d, &block.center[2][lane]));
     const auto r = hn::Load(d, &block.radius[lane]);
     const auto r2 = hn::Mul(r, r);
     const auto b = hn::Add(hn::Add(hn::Mul(ox, dx), hn::Mul(oy, dy)), hn::Mul(oz, dz));
@@ -243,10 +266,10 @@ class ClosestHit {
                                              double t_max) {
     if (id.kind() == PrimitiveKind::polygon) {
       const Polygon& polygon = scene.polygons[id.index()];
-      return intersect(polygon, scene.points_of(polygon), ray.origin, ray.direction, t_max);
+      return intersect(polygon, scene.points_of(polygon), ray.origin_vector(), ray.direction_vector(), t_max);
     }
     const Quadric& quadric = scene.quadrics[id.index()];
-    return intersect(quadric, scene.planes_of(quadric), ray.origin, ray.direction, t_max);
+    return intersect(quadric, scene.planes_of(quadric), ray.origin_vector(), ray.direction_vector(), t_max);
   }
 
  private:
@@ -396,8 +419,11 @@ HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, const 
 template <typename Search>
 HWY_INLINE bool walk_part(const Scene& scene, uint32_t instance, const PreparedRay& ray, Search& search) {
   const Part& part = scene.parts[scene.instances[instance].part];
-  return walk(scene.nodes.data(), part.root, ray, search,
-              [&](const ChildRef& leaf) HWY_ATTR __attribute__((always_inline)) { return search.test_leaf(leaf, ray, instance); });
+  return walk(
+      scene.nodes.data(), part.root, ray,
+      search, [&](const ChildRef& leaf) HWY_ATTR __attribute__((always_inline)) {
+        return search.test_leaf(leaf, ray, instance);
+      });
 }
 
 /// Walks the parts of a leaf of the object part.
@@ -406,12 +432,13 @@ HWY_NOINLINE bool walk_instances(const Scene& scene, const Pose& pose, const Pre
                                  const ChildRef& leaf, Search& search) {
   for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
     const InstancePose& place = pose.instances[instance];
-    const bool is_over = place.is_identity
-                             ? walk_part(scene, instance, world_ray, search)
-                             : walk_part(scene, instance,
-                                         PreparedRay(place.object_from_world.point(world_ray.origin),
-                                                     place.object_from_world.vector(world_ray.direction)),
-                                         search);
+    const bool is_over =
+        place.is_identity
+            ? walk_part(scene, instance, world_ray, search)
+            : walk_part(scene, instance,
+                        PreparedRay(place.object_from_world.point(world_ray.origin_vector()),
+                                    place.object_from_world.vector(world_ray.direction_vector())),
+                        search);
     if (is_over) return true;
   }
   return false;
@@ -419,7 +446,7 @@ HWY_NOINLINE bool walk_instances(const Scene& scene, const Pose& pose, const Pre
 
 template <typename Search>
 HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, const Ray& ray, Search& search) {
-  const PreparedRay prepared(ray.origin, ray.direction);
+  const PreparedRay prepared(ray);
   const ChildRef root = scene.head().object_root;
   if (root.kind() == ChildKind::empty) return false;
   if (root.kind() == ChildKind::instances) return walk_instances(scene, pose, prepared, root, search);
@@ -449,7 +476,7 @@ Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ra
     const Part& part = scene.parts[scene.instances[i].part];
     const Affine& inverse = pose.instances[i].object_from_world;
     const PreparedRay local = pose.instances[i].is_identity
-                                  ? PreparedRay(ray.origin, ray.direction)
+                                  ? PreparedRay(ray)
                                   : PreparedRay(inverse.point(ray.origin), inverse.vector(ray.direction));
     search.test_leaf(make_child(ChildKind::triangles, part.first_triangle_block, part.triangle_block_count),
                      local, i);

@@ -1,0 +1,302 @@
+// The surface area heuristic in two steps: a binary tree by binned splits (Wald 2007), then the best collapse
+// of it to eight children a node by dynamic programming (Ylitie, Karras, Laine 2017, section 3.1).
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <memory>
+#include <thread>
+
+#include "common/hierarchy/builder.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr size_t kBins = 16;
+constexpr size_t kSlots = 8;
+/// From this depth on data are halved by number, which ends within 30 levels.
+constexpr int kMostSahSplits = kMostHierarchyLevels - 34;
+/// Parts with fewer references are built by one thread.
+constexpr size_t kLeastPerTask = 1 << 14;
+// The costs that the collapse weighs, in tests of one block of eight primitives (measured).
+constexpr float kNodeCost = 1.0f;
+
+/// Bounds with four lanes, so that compilers use one instruction for all of them.
+struct alignas(16) Bounds {
+  std::array<float, 4> lo, hi;
+
+  static Bounds none() {
+    Bounds b;
+    b.lo.fill(std::numeric_limits<float>::infinity());
+    b.hi.fill(-std::numeric_limits<float>::infinity());
+    return b;
+  }
+  void grow(const float* other_lo, const float* other_hi) {
+    for (size_t i = 0; i < 4; ++i) lo[i] = other_lo[i] < lo[i] ? other_lo[i] : lo[i];
+    for (size_t i = 0; i < 4; ++i) hi[i] = other_hi[i] > hi[i] ? other_hi[i] : hi[i];
+  }
+  void grow(const Bounds& b) { grow(b.lo.data(), b.hi.data()); }
+  float area() const {
+    const float x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
+    return x * y + y * z + z * x;
+  }
+};
+
+/// A node of the binary tree over references [first, first + count). The left child is the next node; the
+/// right one stands behind the 2 left_count - 1 nodes that the left one can need.
+struct BinaryNode {
+  Bounds bounds;
+  uint32_t first, count;
+  uint32_t left_count;  ///< 0: not split
+  bool is_leaf;         ///< one leaf costs less than children do
+  /// cost[i]: of the best forest of at most i trees that holds the node's references; split[i]: how many of
+  /// those trees are the left child's, 0 if one tree less is as good.
+  std::array<float, kSlots + 1> cost;
+  std::array<uint8_t, kSlots + 1> split;
+};
+
+class SahBuilder {
+ public:
+  SahBuilder(std::vector<PrimitiveReference> references, const BuildOptions& options,
+             const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes)
+      : references_(std::move(references)),
+        binary_(new BinaryNode[2 * references_.size() - 1]),
+        most_in_leaf_(options.max_primitives),
+        make_leaf_(make_leaf),
+        nodes_(nodes) {}
+
+  ChildRef build() {
+    const auto cores = std::max(1u, std::thread::hardware_concurrency());
+    int task_levels = 0;  // four tasks a core, because they differ in length
+    while (cores > 1 && (1u << task_levels) < 4 * cores) ++task_levels;
+    Range all{0, static_cast<uint32_t>(references_.size()), Bounds::none(), Bounds::none()};
+    for (const PrimitiveReference& r : references_) {
+      all.bounds.grow(r.lo.data(), r.hi.data());
+      grow_centers(all.centers, r);
+    }
+    split(0, all, 0, task_levels);
+    return emit(0);
+  }
+
+ private:
+  struct Range {
+    uint32_t first, count;
+    Bounds bounds;
+    Bounds centers;  ///< of lo + hi
+  };
+  struct Split {
+    int axis = -1;
+    size_t bin = 0;
+    Bounds left, right;
+  };
+
+  static void grow_centers(Bounds& centers, const PrimitiveReference& r) {
+    const std::array<float, 4> c{r.lo[0] + r.hi[0], r.lo[1] + r.hi[1], r.lo[2] + r.hi[2], 0};
+    centers.grow(c.data(), c.data());
+  }
+
+  /// Where references fall on the axes of a range: bins of equal width over the centres.
+  struct Binning {
+    std::array<float, 3> origin, scale;
+    explicit Binning(const Bounds& centers) {
+      for (size_t axis = 0; axis < 3; ++axis) {
+        origin[axis] = centers.lo[axis];
+        const float extent = centers.hi[axis] - centers.lo[axis];
+        scale[axis] = extent > 0 ? (static_cast<float>(kBins) * 0.9999f) / extent : 0;
+        if (!std::isfinite(scale[axis])) scale[axis] = 0;
+      }
+    }
+    size_t bin(const PrimitiveReference& r, size_t axis) const {
+      return static_cast<size_t>(static_cast<int>(((r.lo[axis] + r.hi[axis]) - origin[axis]) * scale[axis]));
+    }
+  };
+
+  // What counts is how many groups of lanes are tested.
+  static float work(uint32_t n) { return std::ceil(static_cast<float>(n) / kSlots); }
+
+  Split best_split(const Range& range) const {
+    struct Bin {
+      Bounds bounds = Bounds::none();
+      uint32_t count = 0;
+    };
+    const Binning binning(range.centers);
+    std::array<std::array<Bin, kBins>, 3> bins;
+    for (uint32_t i = range.first; i < range.first + range.count; ++i)
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const PrimitiveReference& r = references_[i];
+        Bin& bin = bins[axis][binning.bin(r, axis)];
+        bin.bounds.grow(r.lo.data(), r.hi.data());
+        ++bin.count;
+      }
+    Split best;
+    float best_cost = std::numeric_limits<float>::infinity();
+    for (size_t axis = 0; axis < 3; ++axis) {
+      if (binning.scale[axis] == 0) continue;
+      std::array<float, kBins> cost_above;  // of the bins from i on
+      Bounds bounds = Bounds::none();
+      uint32_t count = 0;
+      for (size_t i = kBins; i-- > 1;) {
+        bounds.grow(bins[axis][i].bounds);
+        count += bins[axis][i].count;
+        cost_above[i] = count > 0 ? bounds.area() * work(count) : 0;
+      }
+      bounds = Bounds::none();
+      count = 0;
+      for (size_t i = 1; i < kBins; ++i) {
+        bounds.grow(bins[axis][i - 1].bounds);
+        count += bins[axis][i - 1].count;
+        if (count == 0 || count == range.count) continue;
+        const float cost = bounds.area() * work(count) + cost_above[i];
+        if (cost < best_cost) {
+          best_cost = cost;
+          best.axis = static_cast<int>(axis);
+          best.bin = i;
+        }
+      }
+    }
+    if (best.axis < 0) return best;
+    best.left = best.right = Bounds::none();
+    const auto& row = bins[static_cast<size_t>(best.axis)];
+    for (size_t i = 0; i < kBins; ++i) (i < best.bin ? best.left : best.right).grow(row[i].bounds);
+    return best;
+  }
+
+  /// Divides a range in two; false if all its centres coincide.
+  bool divide(const Range& range, int depth, Range& left, Range& right) {
+    const auto begin = references_.begin() + range.first, end = begin + range.count;
+    left = right = {range.first, 0, Bounds::none(), Bounds::none()};
+    auto middle = begin + range.count / 2;
+    Split best;
+    if (depth < kMostSahSplits) best = best_split(range);
+    if (best.axis >= 0) {
+      const Binning binning(range.centers);
+      const auto axis = static_cast<size_t>(best.axis);
+      middle = std::partition(begin, end,
+                              [&](const PrimitiveReference& r) { return binning.bin(r, axis) < best.bin; });
+      left.bounds = best.left;
+      right.bounds = best.right;
+    } else {
+      size_t axis = 0;
+      for (size_t i = 1; i < 3; ++i)
+        if (range.centers.hi[i] - range.centers.lo[i] > range.centers.hi[axis] - range.centers.lo[axis])
+          axis = i;
+      if (!(range.centers.hi[axis] > range.centers.lo[axis])) return false;
+      std::nth_element(begin, middle, end, [&](const PrimitiveReference& a, const PrimitiveReference& b) {
+        const float x = a.lo[axis] + a.hi[axis], y = b.lo[axis] + b.hi[axis];
+        return x != y ? x < y : a.primitive < b.primitive;
+      });
+      for (auto i = begin; i != end; ++i) (i < middle ? left : right).bounds.grow(i->lo.data(), i->hi.data());
+    }
+    for (auto i = begin; i != middle; ++i) grow_centers(left.centers, *i);
+    for (auto i = middle; i != end; ++i) grow_centers(right.centers, *i);
+    left.count = static_cast<uint32_t>(middle - begin);
+    right.first = range.first + left.count;
+    right.count = range.count - left.count;
+    return true;
+  }
+
+  void split(size_t index, const Range& range, int depth, int task_levels) {
+    BinaryNode& node = binary_[index];
+    node.bounds = range.bounds;
+    node.first = range.first;
+    node.count = range.count;
+    node.left_count = 0;
+    Range left, right;
+    if (range.count > most_in_leaf_ && divide(range, depth, left, right)) {
+      node.left_count = left.count;
+      const auto split_left = [&] { split(left_of(index), left, depth + 1, task_levels - 1); };
+      if (task_levels > 0 && range.count >= kLeastPerTask) {
+        const auto other = std::async(std::launch::async, split_left);
+        split(right_of(index), right, depth + 1, task_levels - 1);
+        other.wait();
+      } else {
+        split_left();
+        split(right_of(index), right, depth + 1, 0);
+      }
+    }
+    plan(index);
+  }
+
+  size_t left_of(size_t index) const { return index + 1; }
+  size_t right_of(size_t index) const { return index + 2 * size_t{binary_[index].left_count}; }
+
+  /// Fills the node's costs from its children's.
+  void plan(size_t index) {
+    BinaryNode& node = binary_[index];
+    // A box without area, all on a line, must cost something too.
+    const float area = node.bounds.area() + std::numeric_limits<float>::min();
+    const float leaf_cost = area * std::ceil(static_cast<float>(node.count) / kSlots);
+    if (node.left_count == 0) {
+      node.is_leaf = true;
+      node.cost.fill(leaf_cost);
+      node.split.fill(0);
+      return;
+    }
+    const BinaryNode &left = binary_[left_of(index)], &right = binary_[right_of(index)];
+    for (size_t slots = 2; slots <= kSlots; ++slots) {
+      node.cost[slots] = std::numeric_limits<float>::infinity();
+      for (size_t k = 1; k < slots; ++k) {
+        const float cost = left.cost[k] + right.cost[slots - k];
+        if (cost < node.cost[slots]) {
+          node.cost[slots] = cost;
+          node.split[slots] = static_cast<uint8_t>(k);
+        }
+      }
+    }
+    const float inner_cost = node.cost[kSlots] + area * kNodeCost;
+    node.is_leaf = node.count <= most_in_leaf_ && leaf_cost <= inner_cost;
+    node.cost[1] = node.is_leaf ? leaf_cost : inner_cost;
+    node.split[1] = 0;
+    for (size_t slots = 2; slots < kSlots; ++slots)
+      if (node.cost[slots - 1] <= node.cost[slots]) {
+        node.cost[slots] = node.cost[slots - 1];
+        node.split[slots] = 0;
+      }
+  }
+
+  struct Children {
+    std::array<size_t, kSlots> nodes;
+    size_t count = 0;
+  };
+  void gather(size_t index, size_t slots, Children& children) const {
+    const BinaryNode& node = binary_[index];
+    while (slots > 1 && node.split[slots] == 0) --slots;
+    if (slots == 1) {
+      children.nodes[children.count++] = index;
+      return;
+    }
+    gather(left_of(index), node.split[slots], children);
+    gather(right_of(index), slots - node.split[slots], children);
+  }
+
+  ChildRef emit(size_t index) {
+    const BinaryNode& node = binary_[index];
+    if (node.is_leaf) return make_leaf_(std::span(references_).subspan(node.first, node.count));
+    Children children;
+    gather(left_of(index), node.split[kSlots], children);
+    gather(right_of(index), kSlots - node.split[kSlots], children);
+    const auto result = static_cast<uint32_t>(nodes_.size());
+    nodes_.push_back(make_empty_node());
+    for (size_t slot = 0; slot < children.count; ++slot) {
+      const Bounds& b = binary_[children.nodes[slot]].bounds;
+      const ChildRef child = emit(children.nodes[slot]);
+      set_child(nodes_[result], slot, {Vec3(b.lo[0], b.lo[1], b.lo[2]), Vec3(b.hi[0], b.hi[1], b.hi[2])},
+                child);
+    }
+    return make_child(ChildKind::inner, result);
+  }
+
+  std::vector<PrimitiveReference> references_;
+  std::unique_ptr<BinaryNode[]> binary_;
+  size_t most_in_leaf_;
+  const LeafMaker& make_leaf_;
+  std::vector<VolumeNode>& nodes_;
+};
+
+}  // namespace
+
+ChildRef build_sah(std::vector<PrimitiveReference> references, const PrimitiveSource& /*source*/,
+                   const BuildOptions& options, const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes) {
+  return SahBuilder(std::move(references), options, make_leaf, nodes).build();
+}
+
+}  // namespace rayfarm
