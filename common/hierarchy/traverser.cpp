@@ -249,6 +249,7 @@ HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PreparedRay& ra
 /// Tests leaves and keeps the closest hit.
 class ClosestHit {
  public:
+  static constexpr bool kNearestFirst = true;
   ClosestHit(const Scene& scene, Hit& hit) : scene_(scene), hit_(hit), t_far_(widened(hit.t)) {}
   /// Boxes behind this distance need no visit.
   float t_far() const { return t_far_; }
@@ -320,6 +321,7 @@ class ClosestHit {
 /// Tests leaves until anything is hit.
 class AnyHit {
  public:
+  static constexpr bool kNearestFirst = false;  // the sorting would cost more than it saves
   AnyHit(const Scene& scene, double t_max) : scene_(scene), t_max_(t_max), t_far_(widened(t_max)) {}
   float t_far() const { return t_far_; }
 
@@ -356,8 +358,8 @@ class AnyHit {
   float t_far_;
 };
 
-/// Walks a tree of volume nodes: nearest child first, and nothing that lies behind the closest hit so far.
-/// `visit_leaf(child)` returns true to end the search.
+/// Walks a tree of volume nodes; if the search asks for it, nearest child first and nothing that lies behind
+/// the closest hit so far. `visit_leaf(child)` returns true to end the search.
 template <typename Search, typename VisitLeaf>
 HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, const PreparedRay& ray,
                      Search& search, VisitLeaf visit_leaf) {
@@ -381,6 +383,11 @@ HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, const 
       mask &= mask - 1;
       current = child_of(node, first);
       if (mask == 0) continue;
+      if constexpr (!Search::kNearestFirst) {
+        for (; mask; mask &= mask - 1)
+          *top++ = {child_of(node, static_cast<size_t>(std::countr_zero(mask))), 0};
+        continue;
+      }
       // Of two, the farther waits.
       const auto second = static_cast<size_t>(std::countr_zero(mask));
       mask &= mask - 1;
@@ -411,7 +418,7 @@ HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, const 
     do {
       if (top == stack) return false;
       --top;
-    } while (top->t > search.t_far());
+    } while (Search::kNearestFirst && top->t > search.t_far());
     current = top->child;
   }
 }
