@@ -348,7 +348,7 @@ class Splitter {
   }
 
  private:
-  static constexpr double kLeastGain = 2e-5;   ///< of the whole box's area, for which a split pays (measured)
+  static constexpr double kLeastGain = 2e-5;  ///< of the whole box's area, for which a split pays (measured)
   static constexpr double kMostGrowth = 0.2;  ///< in references
 
   struct Candidate {

@@ -76,16 +76,16 @@ struct PreparedRay {
   HWY_INLINE void prepare() {
     const double x = std::abs(direction[0]), y = std::abs(direction[1]), z = std::abs(direction[2]);
     const double largest_xy = std::max(x, y), largest = std::max(largest_xy, z);
-    const uint32_t x_or_y = x >= y ? 0 : 1;
-    kz = z >= largest_xy ? 2 : x_or_y;
-    kx = 0x021u >> (4 * kz) & 3;  // (kz + 1) mod 3
-    ky = 0x102u >> (4 * kz) & 3;  // (kz + 2) mod 3
-    // A direction that is nearly parallel to a plane acts as one that meets it at 10^18 times the other
-    // distances: boxes are never thinner than their margin.
+    const auto y_over_x = static_cast<uint32_t>(y > x), z_over_all = static_cast<uint32_t>(z >= largest_xy);
+    kz = y_over_x + (2 - y_over_x) * z_over_all;  // no branch: no one could predict it
+    kx = 0x021u >> (4 * kz) & 3;                  // (kz + 1) mod 3
+    ky = 0x102u >> (4 * kz) & 3;                  // (kz + 2) mod 3
+    // A direction that is nearly parallel to a plane acts as one that meets it, but far behind all else:
+    // boxes are never thinner than their margin.
     const WideTag wide;
     const NarrowTag narrow;
     HWY_ALIGN double inverses[4];
-    const auto least = hn::Set(wide, 1e-18 * largest);
+    const auto least = hn::Set(wide, HWY_UNLIKELY(largest < 1e-3) ? 1e-18 * largest : 1e-20);
     backward = 0;
     for (size_t i = 0; i < 4; i += hn::Lanes(wide)) {
       const auto component = hn::Load(wide, &direction[i]);
