@@ -43,17 +43,22 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
 using WideTag = hn::CappedTag<double, 4>;
 using NarrowTag = hn::Rebind<float, WideTag>;
 
-/// A ray in one space, prepared for box and triangle tests.
-struct PreparedRay {
-  HWY_ALIGN std::array<double, 4> origin, direction;  ///< the fourth element of each array is padding
-  // Boxes.
-  std::array<float, 4> near_inverse, near_bias, far_inverse, far_bias;
+/// What the box test needs to know of a ray, or of a packet of them: distances to near and far planes are
+/// plane × inverse + bias, bounded from below and above. The fourth elements are padding.
+struct BoxRay {
+  HWY_ALIGN std::array<float, 4> near_inverse, near_bias, far_inverse, far_bias;
   uint32_t backward;  ///< bit i: component i of the direction is negative
+};
+
+/// A ray in one space, prepared for box and primitive tests.
+struct PreparedRay : BoxRay {
+  HWY_ALIGN std::array<double, 4> origin, direction;  ///< the fourth elements are padding
   // Triangles (Woop, Benthin, Wald 2013): the ray is sheared onto its largest axis kz.
   uint32_t kx, ky, kz;
   double shear_x, shear_y, shear_z;
 
-  /// From a ray in the world.
+  PreparedRay() {}  // leaves everything unset
+  /// A ray in the world.
   HWY_INLINE explicit PreparedRay(const Ray& ray) {
     // The fourth element that is read here is the member behind the vector.
     static_assert(offsetof(Ray, direction) == 3 * sizeof(double) && sizeof(Ray) == 7 * sizeof(double));
@@ -65,8 +70,12 @@ struct PreparedRay {
     }
     prepare();
   }
-  HWY_INLINE PreparedRay(const Vec3& o, const Vec3& d)
-      : origin{o.x, o.y, o.z, 0}, direction{d.x, d.y, d.z, 0} {
+  /// The same ray in the space of an instance.
+  HWY_INLINE PreparedRay(const PreparedRay& world, const Affine& object_from_world) {
+    const Vec3 o = object_from_world.point(world.origin_vector());
+    const Vec3 d = object_from_world.vector(world.direction_vector());
+    origin = {o.x, o.y, o.z, 0};
+    direction = {d.x, d.y, d.z, 0};
     prepare();
   }
   Vec3 origin_vector() const { return {origin[0], origin[1], origin[2]}; }
@@ -98,18 +107,19 @@ struct PreparedRay {
       hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(wide, kWiden))), narrow, &far_inverse[i]);
       hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, &near_bias[i]);
       hn::Store(hn::DemoteTo(narrow, hn::Add(bias, hn::Add(slack, slack))), narrow, &far_bias[i]);
-      backward |= bits_of(wide, hn::Lt(component, hn::Zero(wide))) << i;
+      backward |= bits_of(wide, hn::Lt(inverse, hn::Zero(wide))) << i;  // of the inverse: -0 is negative too
     }
+    backward &= 7;
     shear_z = inverses[kz];
     shear_x = direction[kx] * shear_z;
     shear_y = direction[ky] * shear_z;
   }
 };
 
-/// The box test of one ray, with its constants in registers.
+/// The box test of a ray or packet, with its constants in registers.
 class BoxTest {
  public:
-  HWY_INLINE explicit BoxTest(const PreparedRay& ray)
+  HWY_INLINE explicit BoxTest(const BoxRay& ray)
       : near_inverse_x_(hn::Set(d_, ray.near_inverse[0])),
         far_inverse_x_(hn::Set(d_, ray.far_inverse[0])),
         near_inverse_y_(hn::Set(d_, ray.near_inverse[1])),
@@ -250,7 +260,9 @@ HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PreparedRay& ra
 class ClosestHit {
  public:
   static constexpr bool kNearestFirst = true;
-  ClosestHit(const Scene& scene, Hit& hit) : scene_(scene), hit_(hit), t_far_(widened(hit.t)) {}
+  ClosestHit() = default;
+  /// `hit.t` bounds the search.
+  ClosestHit(const Scene& scene, Hit& hit) : scene_(&scene), hit_(&hit), t_far_(widened(hit.t)) {}
   /// Boxes behind this distance need no visit.
   float t_far() const { return t_far_; }
 
@@ -276,12 +288,12 @@ class ClosestHit {
  private:
   HWY_INLINE void test_triangle_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
     for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
-      const TriangleBlock& block = scene_.triangle_blocks[i];
+      const TriangleBlock& block = scene_->triangle_blocks[i];
       HWY_ALIGN double t[8], u[8], v[8], w[8];
-      for (uint32_t mask = test_triangles(block, ray, hit_.t, t, u, v, w); mask; mask &= mask - 1) {
+      for (uint32_t mask = test_triangles(block, ray, hit_->t, t, u, v, w); mask; mask &= mask - 1) {
         const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
         const PrimitiveId id = make_primitive_id(PrimitiveKind::triangle, block.triangles[lane]);
-        if (hit_.is_beaten_by(t[lane], instance, id)) {
+        if (hit_->is_beaten_by(t[lane], instance, id)) {
           const double determinant = (u[lane] + v[lane]) + w[lane];
           accept({t[lane], instance, id, 8 * i + lane, u[lane] / determinant, v[lane] / determinant,
                   w[lane] / determinant});
@@ -293,43 +305,45 @@ class ClosestHit {
   HWY_NOINLINE void test_other_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
     if (leaf.kind() == ChildKind::spheres) {
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
-        const SphereBlock& block = scene_.sphere_blocks[i];
+        const SphereBlock& block = scene_->sphere_blocks[i];
         HWY_ALIGN double t[8];
-        for (uint32_t mask = test_spheres(block, ray, hit_.t, t); mask; mask &= mask - 1) {
+        for (uint32_t mask = test_spheres(block, ray, hit_->t, t); mask; mask &= mask - 1) {
           const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
           const PrimitiveId id = make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]);
-          if (hit_.is_beaten_by(t[lane], instance, id)) accept({t[lane], instance, id, 0, 0, 0, 0});
+          if (hit_->is_beaten_by(t[lane], instance, id)) accept({t[lane], instance, id, 0, 0, 0, 0});
         }
       }
     } else if (leaf.kind() == ChildKind::mixed) {
-      for (const PrimitiveId id : scene_.leaf_primitives.subspan(leaf.first, leaf.count()))
-        if (const auto t = intersect_one(scene_, id, ray, hit_.t); t && hit_.is_beaten_by(*t, instance, id))
+      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count()))
+        if (const auto t = intersect_one(*scene_, id, ray, hit_->t);
+            t && hit_->is_beaten_by(*t, instance, id))
           accept({*t, instance, id, 0, 0, 0, 0});
     }
   }
 
   void accept(const Hit& hit) {
-    hit_ = hit;
+    *hit_ = hit;
     t_far_ = widened(hit.t);
   }
 
-  const Scene& scene_;
-  Hit& hit_;
-  float t_far_;
+  const Scene* scene_ = nullptr;
+  Hit* hit_ = nullptr;
+  float t_far_ = 0;
 };
 
 /// Tests leaves until anything is hit.
 class AnyHit {
  public:
   static constexpr bool kNearestFirst = false;  // the sorting would cost more than it saves
-  AnyHit(const Scene& scene, double t_max) : scene_(scene), t_max_(t_max), t_far_(widened(t_max)) {}
+  AnyHit() = default;
+  AnyHit(const Scene& scene, double t_max) : scene_(&scene), t_max_(t_max), t_far_(widened(t_max)) {}
   float t_far() const { return t_far_; }
 
   HWY_INLINE bool test_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t /*instance*/) const {
     if (HWY_LIKELY(leaf.kind() == ChildKind::triangles)) {
       HWY_ALIGN double t[8], u[8], v[8], w[8];
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
-        if (before_t_max(test_triangles(scene_.triangle_blocks[i], ray, t_max_, t, u, v, w), t)) return true;
+        if (before_t_max(test_triangles(scene_->triangle_blocks[i], ray, t_max_, t, u, v, w), t)) return true;
       return false;
     }
     return test_other_leaf(leaf, ray);
@@ -340,10 +354,10 @@ class AnyHit {
     if (leaf.kind() == ChildKind::spheres) {
       HWY_ALIGN double t[8];
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
-        if (before_t_max(test_spheres(scene_.sphere_blocks[i], ray, t_max_, t), t)) return true;
+        if (before_t_max(test_spheres(scene_->sphere_blocks[i], ray, t_max_, t), t)) return true;
     } else if (leaf.kind() == ChildKind::mixed) {
-      for (const PrimitiveId id : scene_.leaf_primitives.subspan(leaf.first, leaf.count()))
-        if (const auto found = ClosestHit::intersect_one(scene_, id, ray, t_max_); found && *found < t_max_)
+      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count()))
+        if (const auto found = ClosestHit::intersect_one(*scene_, id, ray, t_max_); found && *found < t_max_)
           return true;
     }
     return false;
@@ -353,126 +367,362 @@ class AnyHit {
       if (t[std::countr_zero(mask)] < t_max_) return true;
     return false;
   }
-  const Scene& scene_;
-  double t_max_;
+  const Scene* scene_ = nullptr;
+  double t_max_ = 0;
+  float t_far_ = 0;
+};
+
+/// One ray's walk through the hierarchy. A walker tells `walk` how far to look and which rays meet a leaf.
+template <typename Search>
+class SingleWalker {
+ public:
+  static constexpr bool kNearestFirst = Search::kNearestFirst;
+  SingleWalker(const PreparedRay& ray, Search& search) : ray_(ray), search_(search) {}
+  const BoxRay& box_ray() const { return ray_; }
+  float t_far() const { return search_.t_far(); }
+  HWY_INLINE uint32_t without_missed_leaves(const VolumeNode&, uint32_t mask, uint32_t*) const {
+    return mask;
+  }
+  /// True ends the walk.
+  HWY_INLINE bool visit_leaf(const ChildRef& leaf, uint32_t instance, uint32_t /*rays*/) {
+    return search_.test_leaf(leaf, ray_, instance);
+  }
+
+ private:
+  const PreparedRay& ray_;
+  Search& search_;
+};
+
+constexpr size_t kPacketRays = kMostPacketRays;
+constexpr uint32_t kAllRays = (1u << kPacketRays) - 1;
+
+/// Rays of like directions that walk together: one box test serves them all, with the bounds of their origins
+/// and directions; at a leaf each is tested by itself, exactly as if it had come alone.
+struct Packet {
+  std::array<PreparedRay, kPacketRays> rays;
+  size_t count = 0;
+  BoxRay bounds;
+  using Lanes = std::array<float, kPacketRays>;
+  HWY_ALIGN std::array<Lanes, 3> near_inverse, near_bias, far_inverse, far_bias;  ///< [axis][ray]
+
+  /// Sets the bounds from the rays; false if they are no packet: one alone, or too different.
+  HWY_INLINE bool join() {
+    if (count < 2) return false;
+    bounds.backward = rays[0].backward;
+    for (size_t i = 1; i < count; ++i)
+      if (rays[i].backward != bounds.backward) return false;
+    double length = 0, spread = 0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      double origin_lo = rays[0].origin[axis], origin_hi = origin_lo;
+      double direction_lo = rays[0].direction[axis], direction_hi = direction_lo;
+      for (size_t i = 1; i < count; ++i) {
+        origin_lo = std::min(origin_lo, rays[i].origin[axis]);
+        origin_hi = std::max(origin_hi, rays[i].origin[axis]);
+        direction_lo = std::min(direction_lo, rays[i].direction[axis]);
+        direction_hi = std::max(direction_hi, rays[i].direction[axis]);
+      }
+      length = std::max(length, std::max(std::abs(direction_lo), std::abs(direction_hi)));
+      spread = std::max(spread, direction_hi - direction_lo);
+      float smallest = rays[0].near_inverse[axis], largest = rays[0].far_inverse[axis];
+      for (size_t i = 1; i < count; ++i) {
+        const float near = rays[i].near_inverse[axis], far = rays[i].far_inverse[axis];
+        smallest = std::abs(near) < std::abs(smallest) ? near : smallest;
+        largest = std::abs(far) > std::abs(largest) ? far : largest;
+      }
+      // The nearest that any ray can come is with the origin most forward and the slowest approach.
+      const bool is_backward = (bounds.backward >> axis & 1) != 0;
+      const double near_bias_exact = -(is_backward ? origin_lo : origin_hi) * static_cast<double>(smallest);
+      const double far_bias_exact = -(is_backward ? origin_hi : origin_lo) * static_cast<double>(largest);
+      bounds.near_inverse[axis] = smallest;
+      bounds.far_inverse[axis] = largest;
+      bounds.near_bias[axis] = static_cast<float>(near_bias_exact - kSlack * std::abs(near_bias_exact));
+      bounds.far_bias[axis] = static_cast<float>(far_bias_exact + 2 * kSlack * std::abs(far_bias_exact));
+    }
+    if (spread > kMostSpread * length) return false;
+    for (size_t axis = 0; axis < 3; ++axis)
+      for (size_t i = 0; i < kPacketRays; ++i) {
+        const PreparedRay& ray = rays[std::min(i, count - 1)];
+        near_inverse[axis][i] = ray.near_inverse[axis];
+        near_bias[axis][i] = ray.near_bias[axis];
+        far_inverse[axis][i] = ray.far_inverse[axis];
+        far_bias[axis][i] = ray.far_bias[axis];
+      }
+    return true;
+  }
+
+ private:
+  /// Of directions, against their length: wider packets cost more than they save (measured).
+  static constexpr double kMostSpread = 0.1;
+};
+
+/// A packet's walk through the hierarchy.
+template <typename Search>
+class PacketWalker {
+ public:
+  static constexpr bool kNearestFirst = Search::kNearestFirst;
+  /// `active`: bit i tells that ray i takes part.
+  PacketWalker(const Packet& packet, Search* searches, uint32_t active)
+      : packet_(packet), searches_(searches) {
+    set_active(active);
+  }
+  const BoxRay& box_ray() const { return packet_.bounds; }
+  float t_far() const { return t_far_; }
+  uint32_t active() const { return active_; }
+  /// Takes over what walks below this one have found.
+  void set_active(uint32_t active) {
+    active_ = active;
+    for (size_t i = 0; i < kPacketRays; ++i) t_fars_[i] = active >> i & 1 ? searches_[i].t_far() : -1;
+    find_t_far();
+  }
+
+  /// Drops the leaves that no ray meets, and tells for each of the others which rays do.
+  HWY_INLINE uint32_t without_missed_leaves(const VolumeNode& node, uint32_t mask, uint32_t* rays) const {
+    for (uint32_t rest = mask; rest; rest &= rest - 1) {
+      const auto slot = static_cast<size_t>(std::countr_zero(rest));
+      if (node.children[slot].kind() == ChildKind::inner) continue;
+      rays[slot] = rays_meeting(node, slot);
+      if (rays[slot] == 0) mask &= ~(1u << slot);
+    }
+    return mask;
+  }
+
+  HWY_INLINE bool visit_leaf(const ChildRef& leaf, uint32_t instance, uint32_t rays) {
+    for (rays &= active_; rays; rays &= rays - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(rays));
+      if (searches_[i].test_leaf(leaf, packet_.rays[i], instance)) {
+        active_ &= ~(1u << i);
+        t_fars_[i] = -1;
+      } else {
+        t_fars_[i] = searches_[i].t_far();
+      }
+    }
+    find_t_far();
+    return active_ == 0;
+  }
+
+ private:
+  HWY_INLINE uint32_t rays_meeting(const VolumeNode& node, size_t slot) const {
+    const FloatTag d;
+    uint32_t result = 0;
+    for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
+      auto near = hn::Zero(d), far = hn::Load(d, &t_fars_[lane]);
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const size_t side = packet_.bounds.backward >> axis & 1;
+        near = hn::Max(near, hn::MulAdd(hn::Set(d, node.planes[side][axis][slot]),
+                                        hn::Load(d, &packet_.near_inverse[axis][lane]),
+                                        hn::Load(d, &packet_.near_bias[axis][lane])));
+        far = hn::Min(far, hn::MulAdd(hn::Set(d, node.planes[1 - side][axis][slot]),
+                                      hn::Load(d, &packet_.far_inverse[axis][lane]),
+                                      hn::Load(d, &packet_.far_bias[axis][lane])));
+      }
+      result |= bits_of(d, hn::Le(near, far)) << lane;
+    }
+    return result;
+  }
+  void find_t_far() { t_far_ = *std::max_element(t_fars_.begin(), t_fars_.end()); }
+
+  const Packet& packet_;
+  Search* searches_;
+  uint32_t active_;
   float t_far_;
+  HWY_ALIGN Packet::Lanes t_fars_;
 };
 
 /// Walks a tree of volume nodes; if the search asks for it, nearest child first and nothing that lies behind
-/// the closest hit so far. `visit_leaf(child)` returns true to end the search.
-template <typename Search, typename VisitLeaf>
-HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, const PreparedRay& ray,
-                     Search& search, VisitLeaf visit_leaf) {
+/// the closest hit so far. `visit_leaf(child, rays)` returns true to end the walk.
+template <typename Walker, typename VisitLeaf>
+HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, Walker& walker,
+                     VisitLeaf visit_leaf) {
   struct Entry {
     uint64_t child;  ///< a ChildRef
     float t;
+    uint32_t rays;
   };
   Entry stack[kStackSize];  // not initialised: clearing it would cost more than many a walk
   Entry* top = stack;
   uint64_t current = std::bit_cast<uint64_t>(root);
+  uint32_t rays = kAllRays;
+  uint32_t rays_of[8] = {kAllRays, kAllRays, kAllRays, kAllRays, kAllRays, kAllRays, kAllRays, kAllRays};
   const auto child_of = [](const VolumeNode& node, size_t slot)
                             HWY_ATTR { return std::bit_cast<uint64_t>(node.children[slot]); };
   while (true) {
-    const BoxTest test_boxes(ray);  // here, so that a visit to a leaf need not save and restore its registers
+    // Here, so that a visit to a leaf need not save and restore its registers.
+    const BoxTest test_boxes(walker.box_ray());
     while (std::bit_cast<ChildRef>(current).kind() == ChildKind::inner) {
       const VolumeNode& node = nodes[std::bit_cast<ChildRef>(current).first];
       HWY_ALIGN float entry[8];
-      uint32_t mask = test_boxes(node, search.t_far(), entry);
+      uint32_t mask = walker.without_missed_leaves(node, test_boxes(node, walker.t_far(), entry), rays_of);
       if (mask == 0) goto next;
       const auto first = static_cast<size_t>(std::countr_zero(mask));
       mask &= mask - 1;
       current = child_of(node, first);
+      rays = rays_of[first];
       if (mask == 0) continue;
-      if constexpr (!Search::kNearestFirst) {
-        for (; mask; mask &= mask - 1)
-          *top++ = {child_of(node, static_cast<size_t>(std::countr_zero(mask))), 0};
+      const auto entry_of = [&](size_t slot) HWY_ATTR {
+        return Entry{child_of(node, slot), entry[slot], rays_of[slot]};
+      };
+      if constexpr (!Walker::kNearestFirst) {
+        for (; mask; mask &= mask - 1) *top++ = entry_of(static_cast<size_t>(std::countr_zero(mask)));
         continue;
       }
       // Of two, the farther waits.
       const auto second = static_cast<size_t>(std::countr_zero(mask));
       mask &= mask - 1;
       if (mask == 0) {
-        const uint64_t other = child_of(node, second);
         if (entry[first] <= entry[second]) {
-          *top++ = {other, entry[second]};
+          *top++ = entry_of(second);
         } else {
-          *top++ = {current, entry[first]};
-          current = other;
+          *top++ = entry_of(first);
+          current = child_of(node, second);
+          rays = rays_of[second];
         }
         continue;
       }
       // More are sorted on the stack, the nearest on top.
       Entry* const base = top;
-      *top++ = {current, entry[first]};
+      *top++ = entry_of(first);
       const auto insert = [&](size_t slot) HWY_ATTR {
         Entry* place = top++;
         for (; place > base && place[-1].t < entry[slot]; --place) *place = place[-1];
-        *place = {child_of(node, slot), entry[slot]};
+        *place = entry_of(slot);
       };
       insert(second);
       for (; mask; mask &= mask - 1) insert(static_cast<size_t>(std::countr_zero(mask)));
-      current = (--top)->child;
+      --top;
+      current = top->child;
+      rays = top->rays;
     }
-    if (visit_leaf(std::bit_cast<ChildRef>(current))) return true;
+    if (visit_leaf(std::bit_cast<ChildRef>(current), rays)) return true;
   next:
     do {
       if (top == stack) return false;
       --top;
-    } while (Search::kNearestFirst && top->t > search.t_far());
+    } while (Walker::kNearestFirst && top->t > walker.t_far());
     current = top->child;
+    rays = top->rays;
   }
 }
 
-template <typename Search>
-HWY_INLINE bool walk_part(const Scene& scene, uint32_t instance, const PreparedRay& ray, Search& search) {
+/// Walks an instance's part. The walker is in the part's space.
+template <typename Walker>
+HWY_INLINE bool walk_part(const Scene& scene, uint32_t instance, Walker& walker) {
   const Part& part = scene.parts[scene.instances[instance].part];
   return walk(
-      scene.nodes.data(), part.root, ray,
-      search, [&](const ChildRef& leaf) HWY_ATTR __attribute__((always_inline)) {
-        return search.test_leaf(leaf, ray, instance);
+      scene.nodes.data(), part.root,
+      walker, [&](const ChildRef& leaf, uint32_t rays) HWY_ATTR __attribute__((always_inline)) {
+        return walker.visit_leaf(leaf, instance, rays);
       });
 }
 
-/// Walks the parts of a leaf of the object part.
 template <typename Search>
-HWY_NOINLINE bool walk_instances(const Scene& scene, const Pose& pose, const PreparedRay& world_ray,
-                                 const ChildRef& leaf, Search& search) {
+HWY_NOINLINE bool walk_instances(const Scene& scene, const Pose& pose, const ChildRef& leaf,
+                                 const PreparedRay& world, Search& search) {
   for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
     const InstancePose& place = pose.instances[instance];
-    const bool is_over =
-        place.is_identity
-            ? walk_part(scene, instance, world_ray, search)
-            : walk_part(scene, instance,
-                        PreparedRay(place.object_from_world.point(world_ray.origin_vector()),
-                                    place.object_from_world.vector(world_ray.direction_vector())),
-                        search);
-    if (is_over) return true;
+    if (place.is_identity) {
+      SingleWalker walker(world, search);
+      if (walk_part(scene, instance, walker)) return true;
+    } else {
+      const PreparedRay local(world, place.object_from_world);
+      SingleWalker walker(local, search);
+      if (walk_part(scene, instance, walker)) return true;
+    }
   }
   return false;
 }
 
-template <typename Search>
-HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, const Ray& ray, Search& search) {
-  const PreparedRay prepared(ray);
+/// Walks the object part: `visit_instances(leaf, rays)` is called for its leaves.
+template <typename Walker, typename VisitInstances>
+HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, Walker& walker,
+                           VisitInstances visit_instances) {
   const ChildRef root = scene.head().object_root;
   if (root.kind() == ChildKind::empty) return false;
-  if (root.kind() == ChildKind::instances) return walk_instances(scene, pose, prepared, root, search);
-  return walk(pose.nodes.data(), root, prepared, search, [&](const ChildRef& leaf) HWY_ATTR {
-    return walk_instances(scene, pose, prepared, leaf, search);
+  if (root.kind() == ChildKind::instances) return visit_instances(root, kAllRays);
+  return walk(pose.nodes.data(), root, walker, visit_instances);
+}
+
+template <typename Search>
+HWY_INLINE bool search_for_one(const Scene& scene, const Pose& pose, const PreparedRay& ray, Search& search) {
+  SingleWalker walker(ray, search);
+  return walk_scene(scene, pose, walker, [&](const ChildRef& leaf, uint32_t /*rays*/) HWY_ATTR {
+    return walk_instances(scene, pose, leaf, ray, search);
   });
+}
+
+/// Runs one search per ray and returns the bits of those that were ended.
+template <typename Search>
+HWY_INLINE uint32_t search_for_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays,
+                                      Search* searches) {
+  Packet packet;
+  packet.count = rays.size();
+  for (size_t i = 0; i < rays.size(); ++i) new (&packet.rays[i]) PreparedRay(rays[i]);
+  uint32_t ended = 0;
+  if (!packet.join()) {
+    for (size_t i = 0; i < rays.size(); ++i)
+      if (search_for_one(scene, pose, packet.rays[i], searches[i])) ended |= 1u << i;
+    return ended;
+  }
+  const uint32_t all = (1u << rays.size()) - 1;
+  PacketWalker<Search> object_walker(packet, searches, all);
+  walk_scene(scene, pose, object_walker, [&](const ChildRef& leaf, uint32_t leaf_rays) HWY_ATTR {
+    for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
+      const InstancePose& place = pose.instances[instance];
+      const uint32_t active = leaf_rays & all & ~ended;
+      if (place.is_identity) {
+        PacketWalker<Search> walker(packet, searches, active);
+        walk_part(scene, instance, walker);
+        ended |= active & ~walker.active();
+        continue;
+      }
+      Packet local;
+      local.count = packet.count;
+      for (size_t i = 0; i < packet.count; ++i)
+        new (&local.rays[i]) PreparedRay(packet.rays[i], place.object_from_world);
+      if (local.join()) {
+        PacketWalker<Search> walker(local, searches, active);
+        walk_part(scene, instance, walker);
+        ended |= active & ~walker.active();
+      } else {
+        for (uint32_t rest = active; rest; rest &= rest - 1) {
+          const auto i = static_cast<size_t>(std::countr_zero(rest));
+          SingleWalker walker(local.rays[i], searches[i]);
+          if (walk_part(scene, instance, walker)) ended |= 1u << i;
+        }
+      }
+    }
+    object_walker.set_active(all & ~ended);
+    return ended == all;
+  });
+  return ended;
 }
 
 Hit find_closest(const Scene& scene, const Pose& pose, const Ray& ray) {
   Hit hit;
   hit.t = ray.t_max;
   ClosestHit search(scene, hit);
-  walk_scene(scene, pose, ray, search);
+  search_for_one(scene, pose, PreparedRay(ray), search);
   return hit;
 }
 
 bool find_any(const Scene& scene, const Pose& pose, const Ray& ray) {
   AnyHit search(scene, ray.t_max);
-  return walk_scene(scene, pose, ray, search);
+  return search_for_one(scene, pose, PreparedRay(ray), search);
+}
+
+void find_closest_of_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays, Hit* hits) {
+  std::array<ClosestHit, kPacketRays> searches;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    hits[i] = {};
+    hits[i].t = rays[i].t_max;
+    searches[i] = ClosestHit(scene, hits[i]);
+  }
+  search_for_packet(scene, pose, rays, searches.data());
+}
+
+uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays) {
+  std::array<AnyHit, kPacketRays> searches;
+  for (size_t i = 0; i < rays.size(); ++i) searches[i] = AnyHit(scene, rays[i].t_max);
+  return search_for_packet(scene, pose, rays, searches.data());
 }
 
 Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ray) {
@@ -482,9 +732,8 @@ Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ra
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Part& part = scene.parts[scene.instances[i].part];
     const Affine& inverse = pose.instances[i].object_from_world;
-    const PreparedRay local = pose.instances[i].is_identity
-                                  ? PreparedRay(ray)
-                                  : PreparedRay(inverse.point(ray.origin), inverse.vector(ray.direction));
+    const PreparedRay world(ray);
+    const PreparedRay local = pose.instances[i].is_identity ? world : PreparedRay(world, inverse);
     search.test_leaf(make_child(ChildKind::triangles, part.first_triangle_block, part.triangle_block_count),
                      local, i);
     search.test_leaf(make_child(ChildKind::spheres, part.first_sphere_block, part.sphere_block_count), local,
@@ -504,6 +753,8 @@ namespace rayfarm {
 
 HWY_EXPORT(find_closest);
 HWY_EXPORT(find_any);
+HWY_EXPORT(find_closest_of_packet);
+HWY_EXPORT(find_any_of_packet);
 HWY_EXPORT(find_closest_brute_force);
 
 Hit closest_hit(const Scene& scene, const Pose& pose, const Ray& ray) {
@@ -512,6 +763,14 @@ Hit closest_hit(const Scene& scene, const Pose& pose, const Ray& ray) {
 
 bool any_hit(const Scene& scene, const Pose& pose, const Ray& ray) {
   return HWY_DYNAMIC_DISPATCH(find_any)(scene, pose, ray);
+}
+
+void closest_hits(const Scene& scene, const Pose& pose, std::span<const Ray> rays, Hit* hits) {
+  HWY_DYNAMIC_DISPATCH(find_closest_of_packet)(scene, pose, rays, hits);
+}
+
+uint32_t any_hits(const Scene& scene, const Pose& pose, std::span<const Ray> rays) {
+  return HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays);
 }
 
 Hit closest_hit_brute_force(const Scene& scene, const Pose& pose, const Ray& ray) {

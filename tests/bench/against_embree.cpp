@@ -11,6 +11,7 @@
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
@@ -233,8 +234,22 @@ struct Subject {
   std::vector<RaySet> sets;
 };
 
-size_t trace_rayfarm(const Scene& scene, const Pose& pose, const RaySet& set, size_t begin, size_t end) {
+size_t trace_rayfarm(const Scene& scene, const Pose& pose, const RaySet& set, size_t begin, size_t end,
+                     bool in_packets) {
   size_t hits = 0;
+  if (in_packets) {
+    std::array<Hit, kMostPacketRays> found;
+    for (size_t i = begin; i < end; i += kMostPacketRays) {
+      const auto rays = std::span(set.rays).subspan(i, std::min(kMostPacketRays, end - i));
+      if (set.is_any_hit) {
+        hits += static_cast<size_t>(std::popcount(any_hits(scene, pose, rays)));
+      } else {
+        closest_hits(scene, pose, rays, found.data());
+        for (size_t k = 0; k < rays.size(); ++k) hits += found[k].is_hit();
+      }
+    }
+    return hits;
+  }
   for (size_t i = begin; i < end; ++i)
     hits +=
         set.is_any_hit ? any_hit(scene, pose, set.rays[i]) : closest_hit(scene, pose, set.rays[i]).is_hit();
@@ -263,7 +278,8 @@ size_t trace_embree(const EmbreeScene& scene, const RaySet& set, const std::vect
   return hits;
 }
 
-void compare_rays(benchmark::State& state, const Subject& subject, const RaySet& set, RTCSceneFlags flags) {
+void compare_rays(benchmark::State& state, const Subject& subject, const RaySet& set, RTCSceneFlags flags,
+                  bool in_packets) {
   const EmbreeScene embree(subject.compiled.scene, flags);
   std::vector<RTCRay> rays;
   for (const Ray& ray : set.rays) rays.push_back(embree_ray(ray));
@@ -272,7 +288,7 @@ void compare_rays(benchmark::State& state, const Subject& subject, const RaySet&
   size_t traced = 0, our_hits = 0, their_hits = 0, chunk = 0;
   const auto ours = [&](size_t begin, size_t end) {
     const double start = thread_cpu_s();
-    our_hits += trace_rayfarm(subject.compiled.scene, pose, set, begin, end);
+    our_hits += trace_rayfarm(subject.compiled.scene, pose, set, begin, end, in_packets);
     ours_s += thread_cpu_s() - start;
   };
   const auto theirs = [&](size_t begin, size_t end) {
@@ -358,12 +374,14 @@ int main(int argc, char** argv) {
   }
   for (const auto& subject : subjects) {
     for (const RaySet& set : subject->sets)
-      for (const auto& [mode, flags] :
-           {std::pair{"default", RTC_SCENE_FLAG_NONE}, {"robust", RTC_SCENE_FLAG_ROBUST}})
-        benchmark::RegisterBenchmark(fmt::format("{}/{}/{}", subject->name, set.name, mode).c_str(),
-                                     [&subject, &set, flags = flags](benchmark::State& state) {
-                                       compare_rays(state, *subject, set, flags);
-                                     })
+      for (const auto& [mode, flags, in_packets] : {std::tuple{"default", RTC_SCENE_FLAG_NONE, false},
+                                                    {"robust", RTC_SCENE_FLAG_ROBUST, false},
+                                                    {"packets", RTC_SCENE_FLAG_NONE, true}})
+        benchmark::RegisterBenchmark(
+            fmt::format("{}/{}/{}", subject->name, set.name, mode).c_str(),
+            [&subject, &set, flags = flags, in_packets = in_packets](benchmark::State& state) {
+              compare_rays(state, *subject, set, flags, in_packets);
+            })
             ->UseManualTime()
             ->Unit(benchmark::kMillisecond);
     benchmark::RegisterBenchmark((subject->name + "/build").c_str(),
