@@ -40,6 +40,12 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
   return bits[0];
 }
 
+/// The least magnitude that a direction's component counts with. A direction that is nearly parallel to a
+/// plane acts as one that meets it, but far behind all else: boxes are never thinner than their margin.
+inline double least_component(double largest) {
+  return HWY_UNLIKELY(largest < 1e-3) ? 1e-18 * largest : 1e-20;
+}
+
 using WideTag = hn::CappedTag<double, 4>;
 using NarrowTag = hn::Rebind<float, WideTag>;
 
@@ -50,14 +56,24 @@ struct BoxRay {
   uint32_t backward;  ///< bit i: component i of the direction is negative
 };
 
-/// A ray in one space, prepared for box and primitive tests.
-struct PreparedRay : BoxRay {
+/// What primitive tests need to know of a ray.
+struct PrimitiveRay {
   HWY_ALIGN std::array<double, 4> origin, direction;  ///< the fourth elements are padding
   // Triangles (Woop, Benthin, Wald 2013): the ray is sheared onto its largest axis kz.
   uint32_t kx, ky, kz;
   double shear_x, shear_y, shear_z;
 
-  PreparedRay() {}  // leaves everything unset
+  Vec3 origin_vector() const { return {origin[0], origin[1], origin[2]}; }
+  Vec3 direction_vector() const { return {direction[0], direction[1], direction[2]}; }
+  HWY_INLINE void set_axes(uint32_t largest_axis) {
+    kz = largest_axis;
+    kx = 0x021u >> (4 * kz) & 3;  // (kz + 1) mod 3
+    ky = 0x102u >> (4 * kz) & 3;  // (kz + 2) mod 3
+  }
+};
+
+/// A ray in one space, prepared for box and primitive tests.
+struct PreparedRay : BoxRay, PrimitiveRay {
   /// A ray in the world.
   HWY_INLINE explicit PreparedRay(const Ray& ray) {
     // The fourth element that is read here is the member behind the vector.
@@ -70,31 +86,26 @@ struct PreparedRay : BoxRay {
     }
     prepare();
   }
+  HWY_INLINE explicit PreparedRay(const PrimitiveRay& ray) : PrimitiveRay(ray) { prepare(); }
   /// The same ray in the space of an instance.
-  HWY_INLINE PreparedRay(const PreparedRay& world, const Affine& object_from_world) {
+  HWY_INLINE PreparedRay(const PrimitiveRay& world, const Affine& object_from_world) {
     const Vec3 o = object_from_world.point(world.origin_vector());
     const Vec3 d = object_from_world.vector(world.direction_vector());
     origin = {o.x, o.y, o.z, 0};
     direction = {d.x, d.y, d.z, 0};
     prepare();
   }
-  Vec3 origin_vector() const { return {origin[0], origin[1], origin[2]}; }
-  Vec3 direction_vector() const { return {direction[0], direction[1], direction[2]}; }
 
  private:
   HWY_INLINE void prepare() {
     const double x = std::abs(direction[0]), y = std::abs(direction[1]), z = std::abs(direction[2]);
     const double largest_xy = std::max(x, y), largest = std::max(largest_xy, z);
     const auto y_over_x = static_cast<uint32_t>(y > x), z_over_all = static_cast<uint32_t>(z >= largest_xy);
-    kz = y_over_x + (2 - y_over_x) * z_over_all;  // no branch: no one could predict it
-    kx = 0x021u >> (4 * kz) & 3;                  // (kz + 1) mod 3
-    ky = 0x102u >> (4 * kz) & 3;                  // (kz + 2) mod 3
-    // A direction that is nearly parallel to a plane acts as one that meets it, but far behind all else:
-    // boxes are never thinner than their margin.
+    set_axes(y_over_x + (2 - y_over_x) * z_over_all);  // no branch: no one could predict it
     const WideTag wide;
     const NarrowTag narrow;
     HWY_ALIGN double inverses[4];
-    const auto least = hn::Set(wide, HWY_UNLIKELY(largest < 1e-3) ? 1e-18 * largest : 1e-20);
+    const auto least = hn::Set(wide, least_component(largest));
     backward = 0;
     for (size_t i = 0; i < 4; i += hn::Lanes(wide)) {
       const auto component = hn::Load(wide, &direction[i]);
@@ -170,7 +181,7 @@ class BoxTest {
 
 /// Bits of the lanes in which the ray meets a triangle at 0 < t <= t_max, with t and the barycentric weights
 /// times a common factor.
-HWY_INLINE uint32_t test_triangles(const TriangleBlock& block, const PreparedRay& ray, double t_max,
+HWY_INLINE uint32_t test_triangles(const TriangleBlock& block, const PrimitiveRay& ray, double t_max,
                                    double* HWY_RESTRICT out_t, double* HWY_RESTRICT out_u,
                                    double* HWY_RESTRICT out_v, double* HWY_RESTRICT out_w) {
   const DoubleTag d;
@@ -215,7 +226,7 @@ HWY_INLINE uint32_t test_triangles(const TriangleBlock& block, const PreparedRay
 }
 
 /// Bits of the lanes in which the ray meets a sphere at 0 < t <= t_max, with the smallest such t.
-HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PreparedRay& ray, double t_max,
+HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PrimitiveRay& ray, double t_max,
                                  double* HWY_RESTRICT out_t) {
   const DoubleTag d;
   const auto zero = hn::Zero(d);
@@ -265,9 +276,10 @@ class ClosestHit {
   ClosestHit(const Scene& scene, Hit& hit) : scene_(&scene), hit_(&hit), t_far_(widened(hit.t)) {}
   /// Boxes behind this distance need no visit.
   float t_far() const { return t_far_; }
+  static bool is_over() { return false; }
 
   /// False: go on. True: the search is over (never, for a closest hit).
-  HWY_INLINE bool test_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
+  HWY_INLINE bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     if (HWY_LIKELY(leaf.kind() == ChildKind::triangles))
       test_triangle_leaf(leaf, ray, instance);
     else
@@ -275,7 +287,7 @@ class ClosestHit {
     return false;
   }
 
-  static std::optional<double> intersect_one(const Scene& scene, PrimitiveId id, const PreparedRay& ray,
+  static std::optional<double> intersect_one(const Scene& scene, PrimitiveId id, const PrimitiveRay& ray,
                                              double t_max) {
     if (id.kind() == PrimitiveKind::polygon) {
       const Polygon& polygon = scene.polygons[id.index()];
@@ -286,7 +298,7 @@ class ClosestHit {
   }
 
  private:
-  HWY_INLINE void test_triangle_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
+  HWY_INLINE void test_triangle_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
       const TriangleBlock& block = scene_->triangle_blocks[i];
       HWY_ALIGN double t[8], u[8], v[8], w[8];
@@ -302,7 +314,7 @@ class ClosestHit {
     }
   }
 
-  HWY_NOINLINE void test_other_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t instance) {
+  HWY_NOINLINE void test_other_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     if (leaf.kind() == ChildKind::spheres) {
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
         const SphereBlock& block = scene_->sphere_blocks[i];
@@ -338,19 +350,21 @@ class AnyHit {
   AnyHit() = default;
   AnyHit(const Scene& scene, double t_max) : scene_(&scene), t_max_(t_max), t_far_(widened(t_max)) {}
   float t_far() const { return t_far_; }
+  bool is_over() const { return is_over_; }
 
-  HWY_INLINE bool test_leaf(const ChildRef& leaf, const PreparedRay& ray, uint32_t /*instance*/) const {
+  HWY_INLINE bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t /*instance*/) {
     if (HWY_LIKELY(leaf.kind() == ChildKind::triangles)) {
       HWY_ALIGN double t[8], u[8], v[8], w[8];
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
-        if (before_t_max(test_triangles(scene_->triangle_blocks[i], ray, t_max_, t, u, v, w), t)) return true;
+        if (before_t_max(test_triangles(scene_->triangle_blocks[i], ray, t_max_, t, u, v, w), t))
+          return is_over_ = true;
       return false;
     }
-    return test_other_leaf(leaf, ray);
+    return is_over_ = test_other_leaf(leaf, ray);
   }
 
  private:
-  HWY_NOINLINE bool test_other_leaf(const ChildRef& leaf, const PreparedRay& ray) const {
+  HWY_NOINLINE bool test_other_leaf(const ChildRef& leaf, const PrimitiveRay& ray) const {
     if (leaf.kind() == ChildKind::spheres) {
       HWY_ALIGN double t[8];
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
@@ -370,6 +384,7 @@ class AnyHit {
   const Scene* scene_ = nullptr;
   double t_max_ = 0;
   float t_far_ = 0;
+  bool is_over_ = false;
 };
 
 /// One ray's walk through the hierarchy. A walker tells `walk` how far to look and which rays meet a leaf.
@@ -398,61 +413,162 @@ constexpr uint32_t kAllRays = (1u << kPacketRays) - 1;
 
 /// Rays of like directions that walk together: one box test serves them all, with the bounds of their origins
 /// and directions; at a leaf each is tested by itself, exactly as if it had come alone.
-struct Packet {
-  std::array<PreparedRay, kPacketRays> rays;
-  size_t count = 0;
-  BoxRay bounds;
+class Packet {
+ public:
   using Lanes = std::array<float, kPacketRays>;
-  HWY_ALIGN std::array<Lanes, 3> near_inverse, near_bias, far_inverse, far_bias;  ///< [axis][ray]
 
-  /// Sets the bounds from the rays; false if they are no packet: one alone, or too different.
-  HWY_INLINE bool join() {
-    if (count < 2) return false;
-    bounds.backward = rays[0].backward;
-    for (size_t i = 1; i < count; ++i)
-      if (rays[i].backward != bounds.backward) return false;
-    double length = 0, spread = 0;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      double origin_lo = rays[0].origin[axis], origin_hi = origin_lo;
-      double direction_lo = rays[0].direction[axis], direction_hi = direction_lo;
-      for (size_t i = 1; i < count; ++i) {
-        origin_lo = std::min(origin_lo, rays[i].origin[axis]);
-        origin_hi = std::max(origin_hi, rays[i].origin[axis]);
-        direction_lo = std::min(direction_lo, rays[i].direction[axis]);
-        direction_hi = std::max(direction_hi, rays[i].direction[axis]);
-      }
-      length = std::max(length, std::max(std::abs(direction_lo), std::abs(direction_hi)));
-      spread = std::max(spread, direction_hi - direction_lo);
-      float smallest = rays[0].near_inverse[axis], largest = rays[0].far_inverse[axis];
-      for (size_t i = 1; i < count; ++i) {
-        const float near = rays[i].near_inverse[axis], far = rays[i].far_inverse[axis];
-        smallest = std::abs(near) < std::abs(smallest) ? near : smallest;
-        largest = std::abs(far) > std::abs(largest) ? far : largest;
-      }
-      // The nearest that any ray can come is with the origin most forward and the slowest approach.
-      const bool is_backward = (bounds.backward >> axis & 1) != 0;
-      const double near_bias_exact = -(is_backward ? origin_lo : origin_hi) * static_cast<double>(smallest);
-      const double far_bias_exact = -(is_backward ? origin_hi : origin_lo) * static_cast<double>(largest);
-      bounds.near_inverse[axis] = smallest;
-      bounds.far_inverse[axis] = largest;
-      bounds.near_bias[axis] = static_cast<float>(near_bias_exact - kSlack * std::abs(near_bias_exact));
-      bounds.far_bias[axis] = static_cast<float>(far_bias_exact + 2 * kSlack * std::abs(far_bias_exact));
-    }
-    if (spread > kMostSpread * length) return false;
+  /// False if the rays are no packet: too few, or too different. Then nothing else here holds.
+  HWY_INLINE bool join(std::span<const PrimitiveRay> rays) {
+    if (rays.size() < kFewest) return false;
+    HWY_ALIGN double origins[3][kPacketRays], directions[3][kPacketRays];
     for (size_t axis = 0; axis < 3; ++axis)
-      for (size_t i = 0; i < kPacketRays; ++i) {
-        const PreparedRay& ray = rays[std::min(i, count - 1)];
-        near_inverse[axis][i] = ray.near_inverse[axis];
-        near_bias[axis][i] = ray.near_bias[axis];
-        far_inverse[axis][i] = ray.far_inverse[axis];
-        far_bias[axis][i] = ray.far_bias[axis];
+      for (size_t i = 0; i < kPacketRays; ++i) {  // the last ray fills up
+        const PrimitiveRay& ray = rays[std::min(i, rays.size() - 1)];
+        origins[axis][i] = ray.origin[axis];
+        directions[axis][i] = ray.direction[axis];
       }
-    return true;
+    return set_bounds(origins, directions) && prepare_lanes(origins, directions);
+  }
+  /// Fills in what primitive tests need of the rays, beside origin and direction.
+  HWY_INLINE void prepare(std::span<PrimitiveRay> rays) const {
+    for (size_t i = 0; i < rays.size(); ++i) {
+      rays[i].set_axes(z_over_all_ >> i & 1 ? 2 : y_over_x_ >> i & 1);
+      rays[i].shear_x = shear_[0][i];
+      rays[i].shear_y = shear_[1][i];
+      rays[i].shear_z = shear_[2][i];
+    }
+  }
+
+  const BoxRay& bounds() const { return bounds_; }
+
+  /// The bits of the rays that may meet a child's box in [0, t_fars[ray]].
+  HWY_INLINE uint32_t rays_meeting(const VolumeNode& node, size_t slot, const Lanes& t_fars) const {
+    const FloatTag d;
+    uint32_t result = 0;
+    for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
+      auto near = hn::Zero(d), far = hn::Load(d, &t_fars[lane]);
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const size_t side = bounds_.backward >> axis & 1;
+        near = hn::Max(
+            near, hn::MulAdd(hn::Set(d, node.planes[side][axis][slot]),
+                             hn::Load(d, &near_inverse_[axis][lane]), hn::Load(d, &near_bias_[axis][lane])));
+        far = hn::Min(
+            far, hn::MulAdd(hn::Set(d, node.planes[1 - side][axis][slot]),
+                            hn::Load(d, &far_inverse_[axis][lane]), hn::Load(d, &far_bias_[axis][lane])));
+      }
+      result |= bits_of(d, hn::Le(near, far)) << lane;
+    }
+    return result;
   }
 
  private:
-  /// Of directions, against their length: wider packets cost more than they save (measured).
-  static constexpr double kMostSpread = 0.1;
+  using Tag = hn::CappedTag<double, kPacketRays>;
+  using Columns = const double (*)[kPacketRays];
+  // Measured: wider or smaller packets cost more than they save.
+  static constexpr double kMostSpread = 0.1;  ///< of directions, against their length
+  static constexpr size_t kFewest = 3;
+
+  static HWY_INLINE void find_range(const double* values, double& lo, double& hi) {
+    const Tag d;
+    auto least = hn::Load(d, values), most = least;
+    for (size_t i = hn::Lanes(d); i < kPacketRays; i += hn::Lanes(d)) {
+      least = hn::Min(least, hn::Load(d, values + i));
+      most = hn::Max(most, hn::Load(d, values + i));
+    }
+    lo = hn::GetLane(hn::MinOfLanes(d, least));
+    hi = hn::GetLane(hn::MaxOfLanes(d, most));
+  }
+
+  /// The box test's bounds; false if the rays differ too much.
+  HWY_INLINE bool set_bounds(Columns origins, Columns directions) {
+    std::array<double, 3> lo, hi;
+    double length = 0, spread = 0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      find_range(directions[axis], lo[axis], hi[axis]);
+      if (lo[axis] < 0 && hi[axis] > 0) return false;
+      length = std::max(length, std::max(std::abs(lo[axis]), std::abs(hi[axis])));
+      spread = std::max(spread, hi[axis] - lo[axis]);
+    }
+    if (spread > kMostSpread * length) return false;
+    const double least = least_component(length);
+    bounds_.backward = 0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      double origin_lo, origin_hi;
+      find_range(origins[axis], origin_lo, origin_hi);
+      const bool is_backward = std::signbit(lo[axis]);
+      // The earliest that any ray can meet a plane is with the origin nearest to it and the fastest
+      // component.
+      const double fastest = is_backward ? lo[axis] : hi[axis], slowest = is_backward ? hi[axis] : lo[axis];
+      const double near = 1 / std::copysign(std::max(std::abs(fastest), least), fastest);
+      const double far = 1 / std::copysign(std::max(std::abs(slowest), least), slowest);
+      const double near_bias = -(is_backward ? origin_lo : origin_hi) * near;
+      const double far_bias = -(is_backward ? origin_hi : origin_lo) * far;
+      bounds_.near_inverse[axis] = static_cast<float>(near);
+      bounds_.far_inverse[axis] = static_cast<float>(far * kWiden);
+      bounds_.near_bias[axis] = static_cast<float>(near_bias - kSlack * std::abs(near_bias));
+      bounds_.far_bias[axis] = static_cast<float>(far_bias + 2 * kSlack * std::abs(far_bias));
+      bounds_.backward |= static_cast<uint32_t>(is_backward) << axis;
+    }
+    return true;
+  }
+
+  /// What PreparedRay holds of one ray, for all of them at once, by the same operations. False if the signs
+  /// of their components differ.
+  HWY_INLINE bool prepare_lanes(Columns origins, Columns directions) {
+    const Tag d;
+    const hn::Rebind<float, Tag> narrow;
+    z_over_all_ = y_over_x_ = 0;
+    std::array<uint32_t, 3> backward{};
+    for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
+      const auto x = hn::Load(d, &directions[0][lane]), y = hn::Load(d, &directions[1][lane]),
+                 z = hn::Load(d, &directions[2][lane]);
+      const auto largest_xy = hn::Max(hn::Abs(x), hn::Abs(y));
+      const auto y_over_x = hn::Gt(hn::Abs(y), hn::Abs(x)), z_over_all = hn::Ge(hn::Abs(z), largest_xy);
+      const auto largest = hn::Max(largest_xy, hn::Abs(z));
+      const auto least = hn::IfThenElse(hn::Lt(largest, hn::Set(d, 1e-3)),
+                                        hn::Mul(hn::Set(d, 1e-18), largest), hn::Set(d, 1e-20));
+      const auto prepare_axis = [&](size_t axis, hn::Vec<Tag> component) HWY_ATTR {
+        const auto inverse =
+            hn::Div(hn::Set(d, 1.0), hn::CopySign(hn::Max(hn::Abs(component), least), component));
+        const auto bias = hn::Neg(hn::Mul(hn::Load(d, &origins[axis][lane]), inverse));
+        const auto slack = hn::Mul(hn::Abs(bias), hn::Set(d, kSlack));
+        hn::Store(hn::DemoteTo(narrow, inverse), narrow, &near_inverse_[axis][lane]);
+        hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(d, kWiden))), narrow,
+                  &far_inverse_[axis][lane]);
+        hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, &near_bias_[axis][lane]);
+        hn::Store(hn::DemoteTo(narrow, hn::Add(bias, hn::Add(slack, slack))), narrow, &far_bias_[axis][lane]);
+        backward[axis] |= bits_of(d, hn::Lt(inverse, hn::Zero(d))) << lane;
+        return inverse;
+      };
+      const auto inverse_x = prepare_axis(0, x), inverse_y = prepare_axis(1, y),
+                 inverse_z = prepare_axis(2, z);
+      const auto by_axis = [&](hn::Vec<Tag> if_x, hn::Vec<Tag> if_y, hn::Vec<Tag> if_z) HWY_ATTR {
+        return hn::IfThenElse(z_over_all, if_z, hn::IfThenElse(y_over_x, if_y, if_x));
+      };
+      const auto shear_z = by_axis(inverse_x, inverse_y, inverse_z);
+      hn::Store(hn::Mul(by_axis(y, z, x), shear_z), d, &shear_[0][lane]);
+      hn::Store(hn::Mul(by_axis(z, x, y), shear_z), d, &shear_[1][lane]);
+      hn::Store(shear_z, d, &shear_[2][lane]);
+      z_over_all_ |= bits_of(d, z_over_all) << lane;
+      y_over_x_ |= bits_of(d, y_over_x) << lane;
+    }
+    for (size_t axis = 0; axis < 3; ++axis)
+      if (backward[axis] != (bounds_.backward >> axis & 1 ? kAllRays : 0)) return false;  // as with 0 and -0
+    return true;
+  }
+
+  BoxRay bounds_;
+  HWY_ALIGN std::array<Lanes, 3> near_inverse_, near_bias_, far_inverse_, far_bias_;  ///< [axis][ray]
+  HWY_ALIGN double shear_[3][kPacketRays];
+  uint32_t z_over_all_, y_over_x_;  ///< bits of the rays whose largest component is z, or else y
+};
+
+/// The rays of a packet in one space, each with its search.
+template <typename Search>
+struct Bundle {
+  std::array<PrimitiveRay, kPacketRays> rays;
+  std::array<Search*, kPacketRays> searches;
+  size_t count = 0;
 };
 
 /// A packet's walk through the hierarchy.
@@ -460,27 +576,18 @@ template <typename Search>
 class PacketWalker {
  public:
   static constexpr bool kNearestFirst = Search::kNearestFirst;
-  /// `active`: bit i tells that ray i takes part.
-  PacketWalker(const Packet& packet, Search* searches, uint32_t active)
-      : packet_(packet), searches_(searches) {
-    set_active(active);
+  PacketWalker(const Packet& packet, const Bundle<Search>& bundle) : packet_(packet), bundle_(bundle) {
+    update();
   }
-  const BoxRay& box_ray() const { return packet_.bounds; }
+  const BoxRay& box_ray() const { return packet_.bounds(); }
   float t_far() const { return t_far_; }
-  uint32_t active() const { return active_; }
-  /// Takes over what walks below this one have found.
-  void set_active(uint32_t active) {
-    active_ = active;
-    for (size_t i = 0; i < kPacketRays; ++i) t_fars_[i] = active >> i & 1 ? searches_[i].t_far() : -1;
-    find_t_far();
-  }
 
   /// Drops the leaves that no ray meets, and tells for each of the others which rays do.
   HWY_INLINE uint32_t without_missed_leaves(const VolumeNode& node, uint32_t mask, uint32_t* rays) const {
     for (uint32_t rest = mask; rest; rest &= rest - 1) {
       const auto slot = static_cast<size_t>(std::countr_zero(rest));
       if (node.children[slot].kind() == ChildKind::inner) continue;
-      rays[slot] = rays_meeting(node, slot);
+      rays[slot] = packet_.rays_meeting(node, slot, t_fars_);
       if (rays[slot] == 0) mask &= ~(1u << slot);
     }
     return mask;
@@ -489,41 +596,30 @@ class PacketWalker {
   HWY_INLINE bool visit_leaf(const ChildRef& leaf, uint32_t instance, uint32_t rays) {
     for (rays &= active_; rays; rays &= rays - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(rays));
-      if (searches_[i].test_leaf(leaf, packet_.rays[i], instance)) {
-        active_ &= ~(1u << i);
-        t_fars_[i] = -1;
-      } else {
-        t_fars_[i] = searches_[i].t_far();
-      }
+      const bool is_over = bundle_.searches[i]->test_leaf(leaf, bundle_.rays[i], instance);
+      active_ &= ~(static_cast<uint32_t>(is_over) << i);
+      t_fars_[i] = is_over ? -1 : bundle_.searches[i]->t_far();
     }
-    find_t_far();
+    t_far_ = *std::max_element(t_fars_.begin(), t_fars_.end());
     return active_ == 0;
   }
 
- private:
-  HWY_INLINE uint32_t rays_meeting(const VolumeNode& node, size_t slot) const {
-    const FloatTag d;
-    uint32_t result = 0;
-    for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
-      auto near = hn::Zero(d), far = hn::Load(d, &t_fars_[lane]);
-      for (size_t axis = 0; axis < 3; ++axis) {
-        const size_t side = packet_.bounds.backward >> axis & 1;
-        near = hn::Max(near, hn::MulAdd(hn::Set(d, node.planes[side][axis][slot]),
-                                        hn::Load(d, &packet_.near_inverse[axis][lane]),
-                                        hn::Load(d, &packet_.near_bias[axis][lane])));
-        far = hn::Min(far, hn::MulAdd(hn::Set(d, node.planes[1 - side][axis][slot]),
-                                      hn::Load(d, &packet_.far_inverse[axis][lane]),
-                                      hn::Load(d, &packet_.far_bias[axis][lane])));
-      }
-      result |= bits_of(d, hn::Le(near, far)) << lane;
+  uint32_t active() const { return active_; }
+  /// Takes over what the searches have found elsewhere.
+  void update() {
+    active_ = 0;
+    for (size_t i = 0; i < kPacketRays; ++i) {
+      const bool is_active = i < bundle_.count && !bundle_.searches[i]->is_over();
+      t_fars_[i] = is_active ? bundle_.searches[i]->t_far() : -1;
+      active_ |= static_cast<uint32_t>(is_active) << i;
     }
-    return result;
+    t_far_ = *std::max_element(t_fars_.begin(), t_fars_.end());
   }
-  void find_t_far() { t_far_ = *std::max_element(t_fars_.begin(), t_fars_.end()); }
 
+ private:
   const Packet& packet_;
-  Search* searches_;
-  uint32_t active_;
+  const Bundle<Search>& bundle_;
+  uint32_t active_;  ///< the bits of the rays whose searches are not over
   float t_far_;
   HWY_ALIGN Packet::Lanes t_fars_;
 };
@@ -649,51 +745,65 @@ HWY_INLINE bool search_for_one(const Scene& scene, const Pose& pose, const Prepa
   });
 }
 
-/// Runs one search per ray and returns the bits of those that were ended.
+/// Walks the parts of a leaf of the object part with those rays of a bundle that meet it.
 template <typename Search>
-HWY_INLINE uint32_t search_for_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays,
-                                      Search* searches) {
-  Packet packet;
-  packet.count = rays.size();
-  for (size_t i = 0; i < rays.size(); ++i) new (&packet.rays[i]) PreparedRay(rays[i]);
-  uint32_t ended = 0;
-  if (!packet.join()) {
-    for (size_t i = 0; i < rays.size(); ++i)
-      if (search_for_one(scene, pose, packet.rays[i], searches[i])) ended |= 1u << i;
-    return ended;
-  }
-  const uint32_t all = (1u << rays.size()) - 1;
-  PacketWalker<Search> object_walker(packet, searches, all);
-  walk_scene(scene, pose, object_walker, [&](const ChildRef& leaf, uint32_t leaf_rays) HWY_ATTR {
-    for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
-      const InstancePose& place = pose.instances[instance];
-      const uint32_t active = leaf_rays & all & ~ended;
-      if (place.is_identity) {
-        PacketWalker<Search> walker(packet, searches, active);
-        walk_part(scene, instance, walker);
-        ended |= active & ~walker.active();
-        continue;
-      }
-      Packet local;
-      local.count = packet.count;
-      for (size_t i = 0; i < packet.count; ++i)
-        new (&local.rays[i]) PreparedRay(packet.rays[i], place.object_from_world);
-      if (local.join()) {
-        PacketWalker<Search> walker(local, searches, active);
-        walk_part(scene, instance, walker);
-        ended |= active & ~walker.active();
-      } else {
-        for (uint32_t rest = active; rest; rest &= rest - 1) {
-          const auto i = static_cast<size_t>(std::countr_zero(rest));
-          SingleWalker walker(local.rays[i], searches[i]);
-          if (walk_part(scene, instance, walker)) ended |= 1u << i;
-        }
-      }
+HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const ChildRef& leaf,
+                                 const Bundle<Search>& world, const Packet& world_packet, uint32_t rays) {
+  for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
+    const InstancePose& place = pose.instances[instance];
+    if (place.is_identity) {
+      PacketWalker<Search> walker(world_packet, world);
+      walk_part(scene, instance, walker);
+      continue;
     }
-    object_walker.set_active(all & ~ended);
-    return ended == all;
+    Bundle<Search> local;
+    for (uint32_t rest = rays; rest; rest &= rest - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(rest));
+      if (world.searches[i]->is_over()) continue;
+      const Vec3 o = place.object_from_world.point(world.rays[i].origin_vector());
+      const Vec3 d = place.object_from_world.vector(world.rays[i].direction_vector());
+      local.rays[local.count].origin = {o.x, o.y, o.z, 0};
+      local.rays[local.count].direction = {d.x, d.y, d.z, 0};
+      local.searches[local.count++] = world.searches[i];
+    }
+    Packet packet;
+    if (packet.join(std::span(local.rays).first(local.count))) {
+      packet.prepare(std::span(local.rays).first(local.count));
+      PacketWalker<Search> walker(packet, local);
+      walk_part(scene, instance, walker);
+      continue;
+    }
+    for (size_t i = 0; i < local.count; ++i) {
+      const PreparedRay ray(local.rays[i]);
+      SingleWalker walker(ray, *local.searches[i]);
+      walk_part(scene, instance, walker);
+    }
+  }
+}
+
+template <typename Search>
+HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays,
+                                  Search* searches) {
+  Bundle<Search> bundle;
+  bundle.count = rays.size();
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const Vec3 &o = rays[i].origin, &d = rays[i].direction;
+    bundle.rays[i].origin = {o.x, o.y, o.z, 0};
+    bundle.rays[i].direction = {d.x, d.y, d.z, 0};
+    bundle.searches[i] = &searches[i];
+  }
+  Packet packet;
+  if (!packet.join(std::span(bundle.rays).first(rays.size()))) {
+    for (size_t i = 0; i < rays.size(); ++i) search_for_one(scene, pose, PreparedRay(rays[i]), searches[i]);
+    return;
+  }
+  packet.prepare(std::span(bundle.rays).first(rays.size()));
+  PacketWalker<Search> walker(packet, bundle);
+  walk_scene(scene, pose, walker, [&](const ChildRef& leaf, uint32_t leaf_rays) HWY_ATTR {
+    walk_instances(scene, pose, leaf, bundle, packet, leaf_rays & walker.active());
+    walker.update();
+    return walker.active() == 0;
   });
-  return ended;
 }
 
 Hit find_closest(const Scene& scene, const Pose& pose, const Ray& ray) {
@@ -722,7 +832,10 @@ void find_closest_of_packet(const Scene& scene, const Pose& pose, std::span<cons
 uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays) {
   std::array<AnyHit, kPacketRays> searches;
   for (size_t i = 0; i < rays.size(); ++i) searches[i] = AnyHit(scene, rays[i].t_max);
-  return search_for_packet(scene, pose, rays, searches.data());
+  search_for_packet(scene, pose, rays, searches.data());
+  uint32_t hits = 0;
+  for (size_t i = 0; i < rays.size(); ++i) hits |= static_cast<uint32_t>(searches[i].is_over()) << i;
+  return hits;
 }
 
 Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ray) {
