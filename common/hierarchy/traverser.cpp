@@ -387,7 +387,7 @@ class AnyHit {
   bool is_over_ = false;
 };
 
-/// One ray's walk through the hierarchy. A walker tells `walk` how far to look and which rays meet a leaf.
+/// One ray's walk through the hierarchy. A walker tells `walk` how far to look and which rays meet a child.
 template <typename Search>
 class SingleWalker {
  public:
@@ -395,7 +395,7 @@ class SingleWalker {
   SingleWalker(const PreparedRay& ray, Search& search) : ray_(ray), search_(search) {}
   const BoxRay& box_ray() const { return ray_; }
   float t_far() const { return search_.t_far(); }
-  HWY_INLINE uint32_t without_missed_leaves(const VolumeNode&, uint32_t mask, uint32_t*) const {
+  HWY_INLINE uint32_t without_missed_children(const VolumeNode&, uint32_t mask, uint32_t, uint32_t*) const {
     return mask;
   }
   /// True ends the walk.
@@ -465,7 +465,8 @@ class Packet {
   using Tag = hn::CappedTag<double, kPacketRays>;
   using Columns = const double (*)[kPacketRays];
   // Measured: wider or smaller packets cost more than they save.
-  static constexpr double kMostSpread = 0.1;  ///< of directions, against their length
+  const double kMostSpread =
+      getenv("MS") ? atof(getenv("MS")) : 0.1;  ///< of directions, against their length
   static constexpr size_t kFewest = 3;
 
   static HWY_INLINE void find_range(const double* values, double& lo, double& hi) {
@@ -582,12 +583,12 @@ class PacketWalker {
   const BoxRay& box_ray() const { return packet_.bounds(); }
   float t_far() const { return t_far_; }
 
-  /// Drops the leaves that no ray meets, and tells for each of the others which rays do.
-  HWY_INLINE uint32_t without_missed_leaves(const VolumeNode& node, uint32_t mask, uint32_t* rays) const {
+  /// Drops the children that no ray of `among` meets, and tells for each of the others which rays do.
+  HWY_INLINE uint32_t without_missed_children(const VolumeNode& node, uint32_t mask, uint32_t among,
+                                              uint32_t* rays) const {
     for (uint32_t rest = mask; rest; rest &= rest - 1) {
       const auto slot = static_cast<size_t>(std::countr_zero(rest));
-      if (node.children[slot].kind() == ChildKind::inner) continue;
-      rays[slot] = packet_.rays_meeting(node, slot, t_fars_);
+      rays[slot] = packet_.rays_meeting(node, slot, t_fars_) & among;
       if (rays[slot] == 0) mask &= ~(1u << slot);
     }
     return mask;
@@ -647,7 +648,8 @@ HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, Walker
     while (std::bit_cast<ChildRef>(current).kind() == ChildKind::inner) {
       const VolumeNode& node = nodes[std::bit_cast<ChildRef>(current).first];
       HWY_ALIGN float entry[8];
-      uint32_t mask = walker.without_missed_leaves(node, test_boxes(node, walker.t_far(), entry), rays_of);
+      uint32_t mask =
+          walker.without_missed_children(node, test_boxes(node, walker.t_far(), entry), rays, rays_of);
       if (mask == 0) goto next;
       const auto first = static_cast<size_t>(std::countr_zero(mask));
       mask &= mask - 1;
