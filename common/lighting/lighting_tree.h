@@ -21,8 +21,9 @@ struct RayCounts {
   bool operator==(const RayCounts&) const = default;
 };
 
-/// The colour seen along an eye ray; `counts` grows by every ray traced.
-Color trace_eye_ray(const Scene& scene, const Pose& pose, const RenderSettings& settings, const Ray& ray,
-                    RayCounts& counts);
+/// The colours seen along up to kMostPacketRays eye rays, best neighbours; `counts` grows by every ray
+/// traced.
+void trace_eye_rays(const Scene& scene, const Pose& pose, const RenderSettings& settings,
+                    std::span<const Ray> rays, RayCounts& counts, Color* colors);
 
 }  // namespace rayfarm

@@ -11,7 +11,10 @@ struct World {
   explicit World(const std::string& text)
       : compiled(compile(test::load_yaml(text))), frame_pose(compiled.scene), pose(frame_pose.at(0)) {}
   Color trace(const Vec3& origin, const Vec3& direction) {
-    return trace_eye_ray(compiled.scene, pose, settings, {origin, normalized(direction)}, counts);
+    const Ray ray{origin, normalized(direction)};
+    Color color;
+    trace_eye_rays(compiled.scene, pose, settings, std::span(&ray, 1), counts, &color);
+    return color;
   }
   CompiledScene compiled;
   FramePose frame_pose;
