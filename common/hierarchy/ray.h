@@ -27,6 +27,7 @@ constexpr PrimitiveId make_primitive_id(PrimitiveKind kind, uint32_t index) {
 }
 
 inline constexpr uint32_t kNone = ~0u;
+inline constexpr PrimitiveId kNoPrimitive{kNone};
 
 /// The closest hit. Among hits at the same t the smallest (instance, primitive) wins, so that the answer does
 /// not depend on the order in which a hierarchy is visited.
@@ -34,8 +35,9 @@ struct Hit {
   double t = std::numeric_limits<double>::infinity();
   uint32_t instance = kNone;
   PrimitiveId primitive;
-  uint32_t block_lane = 0;     ///< triangles: 8 × block + lane, where the vertices stand
-  double u = 0, v = 0, w = 0;  ///< triangles: barycentric weights of the three vertices
+  uint32_t block_lane =
+      kNone;  ///< 8 × block + lane, where the vertices stand, if it was tested as a triangle
+  double u = 0, v = 0, w = 0;  ///< then: barycentric weights of the three vertices
 
   bool is_hit() const { return instance != kNone; }
   /// True if a hit at (t, instance, primitive) comes before this one.

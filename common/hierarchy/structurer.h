@@ -15,11 +15,22 @@ struct LeafArrays {
 /// A triangle's three vertices as they are stored and tested.
 using TriangleVertices = std::array<glm::vec3, 3>;
 
-/// The primitives of one part in one numbering: what the builder's references mean.
+/// The primitives of one part in one numbering: what the builder's references mean. A polygon that was cut
+/// into triangles stands here once for each of them.
 struct PartPrimitives {
   std::vector<PrimitiveId> ids;
-  std::vector<TriangleVertices> triangles;  ///< of triangle ids, counted from first_triangle
-  uint32_t first_triangle = 0;
+  std::vector<uint32_t> triangle_of;  ///< index into triangles, kNone for what is tested as it is
+  std::vector<TriangleVertices> triangles;
+
+  void add(PrimitiveId id) {
+    ids.push_back(id);
+    triangle_of.push_back(kNone);
+  }
+  void add_triangle(PrimitiveId id, const TriangleVertices& vertices) {
+    ids.push_back(id);
+    triangle_of.push_back(static_cast<uint32_t>(triangles.size()));
+    triangles.push_back(vertices);
+  }
 };
 
 /// Packs one leaf. A leaf of several kinds becomes a node with one child per kind.

@@ -304,7 +304,7 @@ class ClosestHit {
       HWY_ALIGN double t[8], u[8], v[8], w[8];
       for (uint32_t mask = test_triangles(block, ray, hit_->t, t, u, v, w); mask; mask &= mask - 1) {
         const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
-        const PrimitiveId id = make_primitive_id(PrimitiveKind::triangle, block.triangles[lane]);
+        const PrimitiveId id = block.primitives[lane];
         if (hit_->is_beaten_by(t[lane], instance, id)) {
           const double determinant = (u[lane] + v[lane]) + w[lane];
           accept({t[lane], instance, id, 8 * i + lane, u[lane] / determinant, v[lane] / determinant,
@@ -322,14 +322,14 @@ class ClosestHit {
         for (uint32_t mask = test_spheres(block, ray, hit_->t, t); mask; mask &= mask - 1) {
           const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
           const PrimitiveId id = make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]);
-          if (hit_->is_beaten_by(t[lane], instance, id)) accept({t[lane], instance, id, 0, 0, 0, 0});
+          if (hit_->is_beaten_by(t[lane], instance, id)) accept({t[lane], instance, id});
         }
       }
     } else if (leaf.kind() == ChildKind::mixed) {
       for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count()))
         if (const auto t = intersect_one(*scene_, id, ray, hit_->t);
             t && hit_->is_beaten_by(*t, instance, id))
-          accept({*t, instance, id, 0, 0, 0, 0});
+          accept({*t, instance, id});
     }
   }
 

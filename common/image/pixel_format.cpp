@@ -28,8 +28,22 @@ const std::array<double, 255>& thresholds() {
 
 uint8_t encode_srgb8(double linear) {
   if (!(linear > 0)) return 0;
-  const auto& t = thresholds();
-  return static_cast<uint8_t>(std::upper_bound(t.begin(), t.end(), linear) - t.begin());
+  // The first guess is the byte at the lower end of one of these equal steps; at most a few bytes lie in a
+  // step.
+  constexpr size_t kSteps = 4096;
+  static const std::array<uint8_t, kSteps> guesses = [] {
+    const auto& t = thresholds();
+    std::array<uint8_t, kSteps> table{};
+    for (size_t i = 0; i < kSteps; ++i)
+      table[i] = static_cast<uint8_t>(std::upper_bound(t.begin(), t.end(), static_cast<double>(i) / kSteps) -
+                                      t.begin());
+    return table;
+  }();
+  static const auto& t = thresholds();
+  if (linear >= 1) return 255;
+  size_t byte = guesses[static_cast<size_t>(linear * kSteps)];
+  while (byte < t.size() && t[byte] <= linear) ++byte;
+  return static_cast<uint8_t>(byte);
 }
 
 double decode_srgb8(uint8_t byte) {

@@ -13,22 +13,32 @@ constexpr double kOffset = 0x1p-45;
 
 /// What a primitive tells in its object's space.
 struct LocalSurface {
-  Vec3 geometric_normal{0}, shading_normal{0};
+  Vec3 geometric_normal{0}, shading_normal{0};  ///< unit
   uint32_t material = 0;
   double magnitude = 0;  ///< of the numbers that describe the primitive
 };
 
-LocalSurface eval_triangle(const Scene& scene, const Hit& hit, const Vec3& p) {
-  const TriangleBlock& block = scene.triangle_blocks[hit.block_lane / 8];
-  const size_t lane = hit.block_lane % 8;
+/// The vertices of the triangle that was hit.
+std::array<Vec3, 3> vertices_of(const Scene& scene, uint32_t block_lane) {
+  const auto& vertices = scene.triangle_blocks[block_lane / 8].vertices;
+  const size_t lane = block_lane % 8;
   std::array<Vec3, 3> v;
   for (size_t k = 0; k < 3; ++k)
-    v[k] = Vec3(block.vertices[k][0][lane], block.vertices[k][1][lane], block.vertices[k][2][lane]);
+    v[k] = Vec3(vertices[k][0][lane], vertices[k][1][lane], vertices[k][2][lane]);
+  return v;
+}
+
+double magnitude_of(const std::array<Vec3, 3>& v) {
+  return std::max({max_magnitude(v[0]), max_magnitude(v[1]), max_magnitude(v[2])});
+}
+
+LocalSurface eval_triangle(const Scene& scene, const Hit& hit, const Vec3& p) {
+  const std::array<Vec3, 3> v = vertices_of(scene, hit.block_lane);
   const TriangleShading& shading = scene.triangle_shading[hit.primitive.index()];
   LocalSurface s;
   s.geometric_normal = s.shading_normal = normalized(glm::cross(v[1] - v[0], v[2] - v[0]));
   s.material = shading.material;
-  s.magnitude = std::max({max_magnitude(v[0]), max_magnitude(v[1]), max_magnitude(v[2])});
+  s.magnitude = magnitude_of(v);
   if (shading.normals[0] != kNone) {
     const std::array<Vec3, 3> n{Vec3(scene.normals[shading.normals[0]]),
                                 Vec3(scene.normals[shading.normals[1]]),
@@ -36,21 +46,24 @@ LocalSurface eval_triangle(const Scene& scene, const Hit& hit, const Vec3& p) {
     s.shading_normal = shading.smoothing == static_cast<uint32_t>(Smoothing::center)
                            ? center_normal(v, n, p)
                            : hit.u * n[0] + hit.v * n[1] + hit.w * n[2];
+    s.shading_normal = normalized(s.shading_normal);
   }
   return s;
 }
 
-LocalSurface eval_polygon(const Scene& scene, const Polygon& polygon, const Vec3& p) {
+LocalSurface eval_polygon(const Scene& scene, const Polygon& polygon, const Hit& hit, const Vec3& p) {
   LocalSurface s;
   s.geometric_normal = s.shading_normal = polygon.normal;
   s.material = polygon.material;
-  s.magnitude = std::max(std::abs(polygon.distance), max_magnitude(p));
+  s.magnitude = hit.block_lane == kNone ? std::max(std::abs(polygon.distance), max_magnitude(p))
+                                        : magnitude_of(vertices_of(scene, hit.block_lane));
   if (polygon.first_normal != kNone) {
     const auto points = scene.points_of(polygon);
     const auto normals = scene.normals_of(polygon);
     s.shading_normal = polygon.smoothing == static_cast<uint32_t>(Smoothing::center)
                            ? center_normal(points, normals, p)
                            : phong_normal(points, normals, p, polygon.normal);
+    s.shading_normal = normalized(s.shading_normal);
   }
   return s;
 }
@@ -66,7 +79,7 @@ LocalSurface eval_local(const Scene& scene, const Hit& hit, const Vec3& p) {
       return {n, n, sphere.material, max_magnitude(sphere.center) + sphere.radius};
     }
     case PrimitiveKind::polygon:
-      return eval_polygon(scene, scene.polygons[index], p);
+      return eval_polygon(scene, scene.polygons[index], hit, p);
     case PrimitiveKind::quadric: {
       const Quadric& quadric = scene.quadrics[index];
       const Vec3 n = normalized(quadric.gradient(p));
@@ -88,19 +101,19 @@ Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const
   if (place.is_identity) {
     local = eval_local(scene, hit, surface.p);
     magnitude = std::max(magnitude, local.magnitude);
+    surface.geometric_normal = local.geometric_normal;
+    surface.shading_normal = local.shading_normal;
   } else {
     local = eval_local(scene, hit, place.object_from_world.point(surface.p));
     const Mat3& m = place.world_from_object.linear;
     const double largest = std::max({max_magnitude(m[0]), max_magnitude(m[1]), max_magnitude(m[2])});
     magnitude = std::max(
         {magnitude, 3 * largest * local.magnitude, max_magnitude(place.world_from_object.translation)});
-    local.geometric_normal = place.object_from_world.normal_by_inverse(local.geometric_normal);
-    local.shading_normal = place.object_from_world.normal_by_inverse(local.shading_normal);
+    surface.geometric_normal = normalized(place.object_from_world.normal_by_inverse(local.geometric_normal));
+    surface.shading_normal = normalized(place.object_from_world.normal_by_inverse(local.shading_normal));
   }
   surface.offset = kOffset * magnitude;
   surface.material = local.material;
-  surface.geometric_normal = normalized(local.geometric_normal);
-  surface.shading_normal = normalized(local.shading_normal);
   if (glm::dot(surface.shading_normal, surface.geometric_normal) < 0)
     surface.shading_normal = -surface.shading_normal;
   surface.is_front = glm::dot(surface.geometric_normal, ray.direction) < 0;

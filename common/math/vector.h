@@ -26,6 +26,8 @@ inline double max_magnitude(const Vec3& v) {
 
 /// The direction of `v`, safe for lengths whose square would under- or overflow. Zero stays zero.
 inline Vec3 normalized(const Vec3& v) {
+  const double square = glm::dot(v, v);
+  if (square > 1e-280 && square < 1e280) return v * (1 / std::sqrt(square));
   const double scale = max_magnitude(v);
   if (!(scale > 0)) return Vec3(0);
   const Vec3 scaled = v / scale;

@@ -56,13 +56,15 @@ class PartSource : public PrimitiveSource {
   size_t size() const override { return part_.ids.size(); }
 
   Box bounds(uint32_t primitive) const override {
+    if (part_.triangle_of[primitive] != kNone) {
+      Box box;
+      for (const Vec3& v : triangle(primitive)) box.grow(v);
+      return box;
+    }
     const PrimitiveId id = part_.ids[primitive];
     switch (id.kind()) {
-      case PrimitiveKind::triangle: {
-        Box box;
-        for (const glm::vec3& v : triangle(id)) box.grow(Vec3(v));
-        return box;
-      }
+      case PrimitiveKind::triangle:
+        break;
       case PrimitiveKind::sphere:
         return sphere_box(arrays_.spheres[id.index()]);
       case PrimitiveKind::polygon: {
@@ -77,12 +79,11 @@ class PartSource : public PrimitiveSource {
   }
 
   Box clipped(uint32_t primitive, const Box& cell) const override {
+    if (part_.triangle_of[primitive] != kNone) return clipped_bounds(triangle(primitive), cell);
     const PrimitiveId id = part_.ids[primitive];
     switch (id.kind()) {
-      case PrimitiveKind::triangle: {
-        const TriangleVertices& t = triangle(id);
-        return clipped_bounds(std::array<Vec3, 3>{Vec3(t[0]), Vec3(t[1]), Vec3(t[2])}, cell);
-      }
+      case PrimitiveKind::triangle:
+        break;
       case PrimitiveKind::sphere: {
         const SphereRecord& s = arrays_.spheres[id.index()];
         const Vec3 nearest = glm::clamp(s.center, cell.lo, cell.hi) - s.center;
@@ -98,8 +99,9 @@ class PartSource : public PrimitiveSource {
   }
 
  private:
-  const TriangleVertices& triangle(PrimitiveId id) const {
-    return part_.triangles[id.index() - part_.first_triangle];
+  std::array<Vec3, 3> triangle(uint32_t primitive) const {
+    const TriangleVertices& t = part_.triangles[part_.triangle_of[primitive]];
+    return {Vec3(t[0]), Vec3(t[1]), Vec3(t[2])};
   }
   std::span<const Vec3> points(PrimitiveId id) const {
     const Polygon& p = arrays_.polygons[id.index()];
@@ -108,6 +110,31 @@ class PartSource : public PrimitiveSource {
   const SceneArrays& arrays_;
   const PartPrimitives& part_;
 };
+
+/// The triangles of a small convex polygon, which are tested eight at a time; empty if it has to be tested as
+/// it is. Triangles are stored in float: a polygon whose corners that would move by a visible part of its
+/// size stays whole.
+std::vector<TriangleVertices> triangle_fan(std::span<const Vec3> points, const Vec3& normal) {
+  constexpr size_t kMostPoints = 8;
+  constexpr double kMostMove = 2e-7;  // of the polygon's size
+  const size_t n = points.size();
+  if (n > kMostPoints) return {};
+  Box box;
+  for (const Vec3& p : points) box.grow(p);
+  const double most = kMostMove * max_component(box.extent());
+  for (size_t i = 0; i < n; ++i) {
+    const Vec3 &a = points[i], &b = points[(i + 1) % n], &c = points[(i + 2) % n];
+    if (!(glm::dot(glm::cross(b - a, c - b), normal) > 0)) return {};
+    if (max_magnitude(Vec3(glm::vec3(a)) - a) > most) return {};
+  }
+  std::vector<TriangleVertices> fan;
+  for (size_t i = 1; i + 1 < n; ++i) {
+    fan.push_back({glm::vec3(points[0]), glm::vec3(points[i]), glm::vec3(points[i + 1])});
+    const Vec3 a(fan.back()[0]), b(fan.back()[1]), c(fan.back()[2]);
+    if (max_magnitude(glm::cross(b - a, c - a)) == 0) return {};
+  }
+  return fan;
+}
 
 class InstanceSource : public PrimitiveSource {
  public:
@@ -171,15 +198,14 @@ class Compiler {
       ++dropped_;
       return;
     }
-    part.ids.push_back(
-        make_primitive_id(PrimitiveKind::triangle, static_cast<uint32_t>(arrays_.triangle_shading.size())));
-    part.triangles.push_back(v);
+    part.add_triangle(
+        make_primitive_id(PrimitiveKind::triangle, static_cast<uint32_t>(arrays_.triangle_shading.size())),
+        v);
     arrays_.triangle_shading.push_back(shading);
   }
 
   void add(PartPrimitives& part, const PrimitiveDescription& p, const SphereShape& sphere) {
-    part.ids.push_back(
-        make_primitive_id(PrimitiveKind::sphere, static_cast<uint32_t>(arrays_.spheres.size())));
+    part.add(make_primitive_id(PrimitiveKind::sphere, static_cast<uint32_t>(arrays_.spheres.size())));
     arrays_.spheres.push_back({sphere.center, sphere.radius, p.material, 0});
   }
 
@@ -198,8 +224,7 @@ class Compiler {
     quadric.plane_count = static_cast<uint32_t>(planes.size());
     quadric.material = p.material;
     arrays_.quadric_planes.insert(arrays_.quadric_planes.end(), planes.begin(), planes.end());
-    part.ids.push_back(
-        make_primitive_id(PrimitiveKind::quadric, static_cast<uint32_t>(arrays_.quadrics.size())));
+    part.add(make_primitive_id(PrimitiveKind::quadric, static_cast<uint32_t>(arrays_.quadrics.size())));
     arrays_.quadrics.push_back(quadric);
   }
 
@@ -250,9 +275,12 @@ class Compiler {
       polygon.first_normal = static_cast<uint32_t>(arrays_.polygon_normals.size());
       for (const Vec3& normal : shape.normals) arrays_.polygon_normals.push_back(normalized(normal));
     }
-    part.ids.push_back(
-        make_primitive_id(PrimitiveKind::polygon, static_cast<uint32_t>(arrays_.polygons.size())));
+    const PrimitiveId id =
+        make_primitive_id(PrimitiveKind::polygon, static_cast<uint32_t>(arrays_.polygons.size()));
     arrays_.polygons.push_back(polygon);
+    const std::vector<TriangleVertices> fan = triangle_fan(shape.points, polygon.normal);
+    for (const TriangleVertices& triangle : fan) part.add_triangle(id, triangle);
+    if (fan.empty()) part.add(id);
   }
 
   void add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh) {
@@ -275,7 +303,6 @@ class Compiler {
 
   void add_part(uint32_t object) {
     PartPrimitives primitives;
-    primitives.first_triangle = static_cast<uint32_t>(arrays_.triangle_shading.size());
     for (const PrimitiveDescription& p : description_.objects[object].primitives)
       std::visit([&](const auto& shape) { add(primitives, p, shape); }, p.shape);
     if (arrays_.triangle_shading.size() > limits::kPrimitives)
@@ -300,22 +327,15 @@ class Compiler {
     part.sphere_block_count = static_cast<uint32_t>(arrays_.sphere_blocks.size()) - part.first_sphere_block;
     part.leaf_primitive_count =
         static_cast<uint32_t>(arrays_.leaf_primitives.size()) - part.first_leaf_primitive;
+    PrimitiveId previous = kNoPrimitive;
     for (uint32_t i = 0; i < primitives.ids.size(); ++i) {
       part.bounds.grow(source.bounds(i));
-      switch (primitives.ids[i].kind()) {
-        case PrimitiveKind::triangle:
-          ++part.triangle_count;
-          break;
-        case PrimitiveKind::sphere:
-          ++part.sphere_count;
-          break;
-        case PrimitiveKind::polygon:
-          ++part.polygon_count;
-          break;
-        case PrimitiveKind::quadric:
-          ++part.quadric_count;
-          break;
-      }
+      const PrimitiveId id = primitives.ids[i];
+      if (id == previous) continue;  // another triangle of the same polygon
+      previous = id;
+      std::array<uint32_t*, 4> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
+                                      &part.quadric_count};  // in the order of PrimitiveKind
+      ++*counts[static_cast<size_t>(id.kind())];
     }
     part_of_[object] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(part);

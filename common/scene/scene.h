@@ -20,7 +20,7 @@ enum class ChildKind : uint32_t {
   inner,      ///< first = node
   triangles,  ///< first = triangle block, count blocks
   spheres,    ///< first = sphere block, count blocks
-  mixed,      ///< first = index into leaf_primitives, count primitives (polygons and quadrics)
+  mixed,      ///< first = index into leaf_primitives, count primitives (large or concave polygons, quadrics)
   instances   ///< first = index into leaf_instances, count instances
 };
 struct ChildRef {
@@ -39,10 +39,11 @@ struct alignas(64) VolumeNode {
   std::array<ChildRef, 8> children;
 };
 
-/// Up to eight triangles, structure of arrays. Unused lanes hold NaN, which no test accepts. 320 bytes.
+/// Up to eight triangles, structure of arrays: meshes' and those that small convex polygons are cut into.
+/// Unused lanes hold NaN, which no test accepts. 320 bytes.
 struct alignas(64) TriangleBlock {
   std::array<std::array<std::array<float, 8>, 3>, 3> vertices;  ///< [vertex][axis][lane]
-  std::array<uint32_t, 8> triangles;                            ///< index into triangle_shading; ~0 unused
+  std::array<PrimitiveId, 8> primitives;                        ///< whose triangle it is
 };
 
 /// Up to eight spheres, structure of arrays; unused lanes hold NaN. 320 bytes with its padding.

@@ -124,8 +124,13 @@ void check_indices(const Scene& s) {
     require(i.object_node < s.object_nodes.size() && i.part < s.parts.size(), "an instance");
   for (const uint32_t i : s.leaf_instances) require(i < s.instances.size(), "a leaf's instance");
   for (const TriangleBlock& block : s.triangle_blocks)
-    for (const uint32_t t : block.triangles)
-      require(t == kNone || t < s.triangle_shading.size(), "a triangle");
+    for (const PrimitiveId p : block.primitives) {
+      const bool is_polygon = p.kind() == PrimitiveKind::polygon;
+      const bool is_triangle = p.kind() == PrimitiveKind::triangle;
+      require(p == kNoPrimitive || (is_triangle && p.index() < s.triangle_shading.size()) ||
+                  (is_polygon && p.index() < s.polygons.size()),
+              "a triangle");
+    }
   for (const SphereBlock& block : s.sphere_blocks)
     for (const uint32_t i : block.spheres) require(i == kNone || i < s.spheres.size(), "a sphere");
   for (const PrimitiveId p : s.leaf_primitives) {

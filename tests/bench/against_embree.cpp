@@ -19,6 +19,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "common/lighting/surface.h"
 #include "common/scene/camera.h"
@@ -52,15 +53,15 @@ struct PartGeometry {
 
 PartGeometry geometry_of(const Scene& scene, const Part& part) {
   PartGeometry geometry;
-  std::vector<bool> seen(scene.triangle_shading.size());  // a clipped triangle stands in several leaves
+  std::set<std::array<float, 9>> seen;  // a clipped triangle stands in several leaves
   for (uint32_t b = 0; b < part.triangle_block_count; ++b) {
     const TriangleBlock& block = scene.triangle_blocks[part.first_triangle_block + b];
     for (size_t lane = 0; lane < 8; ++lane) {
-      const uint32_t triangle = block.triangles[lane];
-      if (triangle == kNone || seen[triangle]) continue;
-      seen[triangle] = true;
-      for (const auto& vertex : block.vertices)
-        for (const auto& axis : vertex) geometry.triangle_vertices.push_back(axis[lane]);
+      if (block.primitives[lane] == kNoPrimitive) continue;
+      std::array<float, 9> vertices;
+      for (size_t i = 0; i < 9; ++i) vertices[i] = block.vertices[i / 3][i % 3][lane];
+      if (seen.insert(vertices).second)
+        geometry.triangle_vertices.insert(geometry.triangle_vertices.end(), vertices.begin(), vertices.end());
     }
   }
   std::vector<bool> seen_sphere(scene.spheres.size());
