@@ -411,15 +411,16 @@ class SingleWalker {
 constexpr size_t kPacketRays = kMostPacketRays;
 constexpr uint32_t kAllRays = (1u << kPacketRays) - 1;
 
-/// Rays of like directions that walk together: one box test serves them all, with the bounds of their origins
-/// and directions; at a leaf each is tested by itself, exactly as if it had come alone.
+/// Rays whose directions have the same signs and that walk together: one box test serves them all, with the
+/// bounds of their origins and directions; at a leaf each is tested by itself, exactly as if it had come
+/// alone.
 class Packet {
  public:
   using Lanes = std::array<float, kPacketRays>;
 
-  /// False if the rays are no packet: too few, or too different. Then nothing else here holds.
+  /// False if the rays are no packet: one alone, or of different signs. Then nothing else here holds.
   HWY_INLINE bool join(std::span<const PrimitiveRay> rays) {
-    if (rays.size() < kFewest) return false;
+    if (rays.size() < 2) return false;
     HWY_ALIGN double origins[3][kPacketRays], directions[3][kPacketRays];
     for (size_t axis = 0; axis < 3; ++axis)
       for (size_t i = 0; i < kPacketRays; ++i) {  // the last ray fills up
@@ -464,11 +465,6 @@ class Packet {
  private:
   using Tag = hn::CappedTag<double, kPacketRays>;
   using Columns = const double (*)[kPacketRays];
-  // Measured: wider or smaller packets cost more than they save.
-  const double kMostSpread =
-      getenv("MS") ? atof(getenv("MS")) : 0.1;  ///< of directions, against their length
-  static constexpr size_t kFewest = 3;
-
   static HWY_INLINE void find_range(const double* values, double& lo, double& hi) {
     const Tag d;
     auto least = hn::Load(d, values), most = least;
@@ -480,17 +476,15 @@ class Packet {
     hi = hn::GetLane(hn::MaxOfLanes(d, most));
   }
 
-  /// The box test's bounds; false if the rays differ too much.
+  /// The box test's bounds; false if the signs of a component differ.
   HWY_INLINE bool set_bounds(Columns origins, Columns directions) {
     std::array<double, 3> lo, hi;
-    double length = 0, spread = 0;
+    double length = 0;
     for (size_t axis = 0; axis < 3; ++axis) {
       find_range(directions[axis], lo[axis], hi[axis]);
       if (lo[axis] < 0 && hi[axis] > 0) return false;
       length = std::max(length, std::max(std::abs(lo[axis]), std::abs(hi[axis])));
-      spread = std::max(spread, hi[axis] - lo[axis]);
     }
-    if (spread > kMostSpread * length) return false;
     const double least = least_component(length);
     bounds_.backward = 0;
     for (size_t axis = 0; axis < 3; ++axis) {

@@ -207,8 +207,8 @@ def make_room():
 
 
 def make_pot():
-    """The mesh of the stadium without the stadium, in the same view."""
-    return Scene("pot", (3, 2.5, 5), (0, 0.2, 0), lights=[((400, 500, 300), 0.7), ((-400, 300, 500), 0.4)],
+    """The mesh of the stadium without the stadium; in both it fills the picture, so that the same rays are traced."""
+    return Scene("pot", (1.2, 1, 2.2), (0, 0, 0), angle=24, lights=[((400, 500, 300), 0.7), ((-400, 300, 500), 0.4)],
                  meshes=[Mesh(CLAY, *bumpy_sphere(264, 133))])
 
 
