@@ -1,5 +1,6 @@
 #include "common/lighting/render.h"
 
+#include "common/math/inline_vector.h"
 #include "common/sampling/pixel_sampler.h"
 
 namespace rayfarm {
@@ -42,21 +43,20 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
     const auto columns = static_cast<size_t>(rect.width()) + 1;
     std::vector<Color> above(columns), below(columns);
     const auto trace_row = [&](int y, std::vector<Color>& row) {
-      std::array<Ray, kMostPacketRays> rays;
-      size_t count = 0;
+      InlineVector<Ray, kMostPacketRays> rays;
       for (size_t i = 0; i < columns; ++i) {
         const int x = rect.x0 + static_cast<int>(i);
         // A corner belongs to the pixel below and right of it; the image's last corners to its last pixels.
         const auto owns = [&](int column) {
           return (column < rect.x1 || column == settings.crop.x1) && (y < rect.y1 || y == settings.crop.y1);
         };
-        rays[count++] = camera.ray(x, y);
-        if (count < kMostPacketRays && i + 1 < columns && owns(x + 1) == owns(x)) continue;
+        rays.push_back(camera.ray(x, y));
+        if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
         RayCounts repeated;
-        trace_eye_rays(scene, pose, settings, std::span(rays).first(count),
-                       owns(x) ? result.counts : repeated, &row[i + 1 - count]);
-        pulse.count_rays(count);
-        count = 0;
+        trace_eye_rays(scene, pose, settings, rays.span(), owns(x) ? result.counts : repeated,
+                       &row[i + 1 - rays.size()]);
+        pulse.count_rays(rays.size());
+        rays.clear();
       }
     };
     trace_row(rect.y0, above);
@@ -71,28 +71,29 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
   const Strata strata = make_strata(settings.samples);
   for (int y0 = rect.y0; y0 < rect.y1; y0 += kBlockHeight_px)
     for (int x0 = rect.x0; x0 < rect.x1; x0 += kBlockWidth_px) {
-      const int width = std::min(kBlockWidth_px, rect.x1 - x0),
-                height = std::min(kBlockHeight_px, rect.y1 - y0);
-      const auto count = static_cast<size_t>(width * height);
+      const PixelRect block{x0, y0, std::min(x0 + kBlockWidth_px, rect.x1),
+                            std::min(y0 + kBlockHeight_px, rect.y1)};
       std::array<Color, kMostPacketRays> sums, colors;
       sums.fill(Color(0));
       for (uint32_t sample = 0; sample < settings.samples; ++sample) {
-        std::array<Ray, kMostPacketRays> rays;
-        for (size_t i = 0; i < count; ++i) {
-          const int x = x0 + static_cast<int>(i) % width, y = y0 + static_cast<int>(i) / width;
-          const Vec2 place = sample_place(settings, strata, frame, x, y, sample);
-          rays[i] = camera.ray(x + place.x, y + place.y);
-        }
-        trace_eye_rays(scene, pose, settings, std::span(rays).first(count), result.counts, colors.data());
-        for (size_t i = 0; i < count; ++i) sums[i] += colors[i];
-        pulse.count_rays(count);
+        const Stratum stratum = stratum_of(strata, sample);
+        InlineVector<Ray, kMostPacketRays> rays;
+        for (int y = block.y0; y < block.y1; ++y)
+          for (int x = block.x0; x < block.x1; ++x) {
+            const Vec2 place = sample_place(settings, stratum, frame, x, y, sample);
+            rays.push_back(camera.ray(x + place.x, y + place.y));
+          }
+        trace_eye_rays(scene, pose, settings, rays.span(), result.counts, colors.data());
+        for (size_t i = 0; i < rays.size(); ++i) sums[i] += colors[i];
+        pulse.count_rays(rays.size());
       }
-      for (size_t i = 0; i < count; ++i) {
-        const int x = x0 + static_cast<int>(i) % width, y = y0 + static_cast<int>(i) / width;
-        const auto pixel = static_cast<size_t>(y - rect.y0) * static_cast<size_t>(rect.width()) +
-                           static_cast<size_t>(x - rect.x0);
-        encode_pixel(settings.pixel_format, sums[i] / static_cast<double>(settings.samples),
-                     result.pixels.data() + pixel * stride);
+      const Color* sum = sums.data();
+      for (int y = block.y0; y < block.y1; ++y) {
+        const auto first = static_cast<size_t>(y - rect.y0) * static_cast<size_t>(rect.width()) +
+                           static_cast<size_t>(block.x0 - rect.x0);
+        out = result.pixels.data() + first * stride;
+        for (int x = block.x0; x < block.x1; ++x, out += stride)
+          encode_pixel(settings.pixel_format, *sum++ / static_cast<double>(settings.samples), out);
       }
     }
   return result;

@@ -26,7 +26,12 @@ Strata make_strata(uint32_t samples) {
   return strata;
 }
 
-Vec2 sample_place(const RenderSettings& settings, const Strata& strata, int frame, int x, int y,
+Stratum stratum_of(const Strata& strata, uint32_t sample) {
+  const Vec2 size(1.0 / strata.columns, 1.0 / strata.rows);
+  return {Vec2(sample % strata.columns, sample / strata.columns) * size, size};
+}
+
+Vec2 sample_place(const RenderSettings& settings, const Stratum& stratum, int frame, int x, int y,
                   uint32_t sample) {
   double u = 0.5, v = 0.5;
   if (settings.sampling == SamplingPattern::jittered) {
@@ -34,7 +39,7 @@ Vec2 sample_place(const RenderSettings& settings, const Strata& strata, int fram
     u = r[0];
     v = r[1];
   }
-  return {(sample % strata.columns + u) / strata.columns, (sample / strata.columns + v) / strata.rows};
+  return stratum.corner + Vec2(u, v) * stratum.size;
 }
 
 }  // namespace rayfarm

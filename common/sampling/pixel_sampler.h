@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "common/math/vector.h"
 #include "common/scene/render_settings.h"
 
 namespace rayfarm {
@@ -21,9 +22,15 @@ struct Strata {
 };
 Strata make_strata(uint32_t samples);
 
+/// One of them, as a part of the pixel's unit square.
+struct Stratum {
+  Vec2 corner{0}, size{1};
+};
+Stratum stratum_of(const Strata& strata, uint32_t sample);
+
 /// The sample's place inside its pixel, in [0, 1)²: the centre of its stratum (regular) or anywhere in it
 /// (jittered).
-Vec2 sample_place(const RenderSettings& settings, const Strata& strata, int frame, int x, int y,
+Vec2 sample_place(const RenderSettings& settings, const Stratum& stratum, int frame, int x, int y,
                   uint32_t sample);
 
 }  // namespace rayfarm

@@ -202,7 +202,7 @@ TEST(Sampling, StrataAndJitter) {
   EXPECT_EQ(make_strata(12).rows, 3u);
   RenderSettings settings;
   settings.samples = 1;
-  const Vec2 center = sample_place(settings, make_strata(1), 0, 5, 6, 0);
+  const Vec2 center = sample_place(settings, stratum_of(make_strata(1), 0), 0, 5, 6, 0);
   EXPECT_EQ(center, Vec2(0.5, 0.5));
   settings.sampling = SamplingPattern::jittered;
   settings.samples = 16;
@@ -210,7 +210,7 @@ TEST(Sampling, StrataAndJitter) {
   Vec2 mean(0);
   for (int pixel = 0; pixel < 1000; ++pixel)
     for (uint32_t i = 0; i < 16; ++i) {
-      const Vec2 p = sample_place(settings, strata, 3, pixel, 7, i);
+      const Vec2 p = sample_place(settings, stratum_of(strata, i), 3, pixel, 7, i);
       EXPECT_EQ(static_cast<uint32_t>(p.x * 4), i % 4);
       EXPECT_EQ(static_cast<uint32_t>(p.y * 4), i / 4);
       mean += p;
