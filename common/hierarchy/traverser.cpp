@@ -179,19 +179,36 @@ class BoxTest {
       far_z_;  ///< where the planes stand in a node, counted in floats
 };
 
+/// A block's vertices: [vertex][axis][lane].
+template <typename Number>
+using Vertices = std::array<std::array<std::array<Number, 8>, 3>, 3>;
+
+HWY_INLINE void convert(const Vertices<float>& from, Vertices<double>& to) {
+  const DoubleTag d;
+  const HalfFloatTag f;
+  for (size_t vertex = 0; vertex < 3; ++vertex)
+    for (size_t axis = 0; axis < 3; ++axis)
+      for (size_t lane = 0; lane < 8; lane += hn::Lanes(d))
+        hn::Store(hn::PromoteTo(d, hn::Load(f, &from[vertex][axis][lane])), d, &to[vertex][axis][lane]);
+}
+
 /// Bits of the lanes in which the ray meets a triangle at 0 < t <= t_max, with t and the barycentric weights
-/// times a common factor.
-HWY_INLINE uint32_t test_triangles(const TriangleBlock& block, const PrimitiveRay& ray, double t_max,
+/// times a common factor. The vertices may have been converted before, for several rays.
+template <typename Number>
+HWY_INLINE uint32_t test_triangles(const Vertices<Number>& vertices, const PrimitiveRay& ray, double t_max,
                                    double* HWY_RESTRICT out_t, double* HWY_RESTRICT out_u,
                                    double* HWY_RESTRICT out_v, double* HWY_RESTRICT out_w) {
   const DoubleTag d;
-  const HalfFloatTag f;
+  [[maybe_unused]] const HalfFloatTag f;
   const auto zero = hn::Zero(d);
   uint32_t mask = 0;
   for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
     const auto coordinate = [&](size_t vertex, size_t axis) HWY_ATTR {
-      return hn::Sub(hn::PromoteTo(d, hn::Load(f, &block.vertices[vertex][axis][lane])),
-                     hn::Set(d, ray.origin[axis]));
+      const Number* const numbers = &vertices[vertex][axis][lane];
+      if constexpr (std::is_same_v<Number, float>)
+        return hn::Sub(hn::PromoteTo(d, hn::Load(f, numbers)), hn::Set(d, ray.origin[axis]));
+      else
+        return hn::Sub(hn::Load(d, numbers), hn::Set(d, ray.origin[axis]));
     };
     const auto az = coordinate(0, ray.kz), bz = coordinate(1, ray.kz), cz = coordinate(2, ray.kz);
     const auto sx = hn::Set(d, ray.shear_x), sy = hn::Set(d, ray.shear_y);
@@ -280,10 +297,29 @@ class ClosestHit {
 
   /// False: go on. True: the search is over (never, for a closest hit).
   HWY_INLINE bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
-    if (HWY_LIKELY(leaf.kind() == ChildKind::triangles))
-      test_triangle_leaf(leaf, ray, instance);
-    else
+    if (HWY_LIKELY(leaf.kind() == ChildKind::triangles)) {
+      for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
+        test_block(i, scene_->triangle_blocks[i].vertices, ray, instance);
+    } else {
       test_other_leaf(leaf, ray, instance);
+    }
+    return false;
+  }
+
+  /// Tests one block of triangles.
+  template <typename Number>
+  HWY_INLINE bool test_block(uint32_t index, const Vertices<Number>& vertices, const PrimitiveRay& ray,
+                             uint32_t instance) {
+    HWY_ALIGN double t[8], u[8], v[8], w[8];
+    for (uint32_t mask = test_triangles(vertices, ray, hit_->t, t, u, v, w); mask; mask &= mask - 1) {
+      const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+      const PrimitiveId id = scene_->triangle_blocks[index].primitives[lane];
+      if (hit_->is_beaten_by(t[lane], instance, id)) {
+        const double determinant = (u[lane] + v[lane]) + w[lane];
+        accept({t[lane], instance, id, 8 * index + lane, u[lane] / determinant, v[lane] / determinant,
+                w[lane] / determinant});
+      }
+    }
     return false;
   }
 
@@ -298,22 +334,6 @@ class ClosestHit {
   }
 
  private:
-  HWY_INLINE void test_triangle_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
-    for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
-      const TriangleBlock& block = scene_->triangle_blocks[i];
-      HWY_ALIGN double t[8], u[8], v[8], w[8];
-      for (uint32_t mask = test_triangles(block, ray, hit_->t, t, u, v, w); mask; mask &= mask - 1) {
-        const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
-        const PrimitiveId id = block.primitives[lane];
-        if (hit_->is_beaten_by(t[lane], instance, id)) {
-          const double determinant = (u[lane] + v[lane]) + w[lane];
-          accept({t[lane], instance, id, 8 * i + lane, u[lane] / determinant, v[lane] / determinant,
-                  w[lane] / determinant});
-        }
-      }
-    }
-  }
-
   HWY_NOINLINE void test_other_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     if (leaf.kind() == ChildKind::spheres) {
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
@@ -352,15 +372,20 @@ class AnyHit {
   float t_far() const { return t_far_; }
   bool is_over() const { return is_over_; }
 
-  HWY_INLINE bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t /*instance*/) {
+  HWY_INLINE bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     if (HWY_LIKELY(leaf.kind() == ChildKind::triangles)) {
-      HWY_ALIGN double t[8], u[8], v[8], w[8];
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
-        if (before_t_max(test_triangles(scene_->triangle_blocks[i], ray, t_max_, t, u, v, w), t))
-          return is_over_ = true;
+        if (test_block(i, scene_->triangle_blocks[i].vertices, ray, instance)) return true;
       return false;
     }
     return is_over_ = test_other_leaf(leaf, ray);
+  }
+
+  template <typename Number>
+  HWY_INLINE bool test_block(uint32_t /*index*/, const Vertices<Number>& vertices, const PrimitiveRay& ray,
+                             uint32_t /*instance*/) {
+    HWY_ALIGN double t[8], u[8], v[8], w[8];
+    return is_over_ = before_t_max(test_triangles(vertices, ray, t_max_, t, u, v, w), t);
   }
 
  private:
@@ -561,6 +586,8 @@ class Packet {
 /// The rays of a packet in one space, each with its search.
 template <typename Search>
 struct Bundle {
+  explicit Bundle(const Scene& of) : scene(&of) {}
+  const Scene* scene;
   std::array<PrimitiveRay, kPacketRays> rays;
   std::array<Search*, kPacketRays> searches;
   size_t count = 0;
@@ -589,11 +616,18 @@ class PacketWalker {
   }
 
   HWY_INLINE bool visit_leaf(const ChildRef& leaf, uint32_t instance, uint32_t rays) {
-    for (rays &= active_; rays; rays &= rays - 1) {
-      const auto i = static_cast<size_t>(std::countr_zero(rays));
-      const bool is_over = bundle_.searches[i]->test_leaf(leaf, bundle_.rays[i], instance);
-      active_ &= ~(static_cast<uint32_t>(is_over) << i);
-      t_fars_[i] = is_over ? -1 : bundle_.searches[i]->t_far();
+    rays &= active_;
+    if (leaf.kind() == ChildKind::triangles && std::popcount(rays) > 1) {
+      for (uint32_t block = leaf.first; block < leaf.first + leaf.count(); ++block) {
+        HWY_ALIGN Vertices<double> vertices;
+        convert(bundle_.scene->triangle_blocks[block].vertices, vertices);
+        for_each_ray(rays & active_, [&](Search& search, const PrimitiveRay& ray) HWY_ATTR {
+          return search.test_block(block, vertices, ray, instance);
+        });
+      }
+    } else {
+      for_each_ray(rays, [&](Search& search, const PrimitiveRay& ray)
+                             HWY_ATTR { return search.test_leaf(leaf, ray, instance); });
     }
     t_far_ = *std::max_element(t_fars_.begin(), t_fars_.end());
     return active_ == 0;
@@ -612,6 +646,17 @@ class PacketWalker {
   }
 
  private:
+  /// `test(search, ray)` tells that the ray's search is over.
+  template <typename Test>
+  HWY_INLINE void for_each_ray(uint32_t rays, Test test) {
+    for (; rays; rays &= rays - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(rays));
+      const bool is_over = test(*bundle_.searches[i], bundle_.rays[i]);
+      active_ &= ~(static_cast<uint32_t>(is_over) << i);
+      t_fars_[i] = is_over ? -1 : bundle_.searches[i]->t_far();
+    }
+  }
+
   const Packet& packet_;
   const Bundle<Search>& bundle_;
   uint32_t active_;  ///< the bits of the rays whose searches are not over
@@ -752,7 +797,7 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
       walk_part(scene, instance, walker);
       continue;
     }
-    Bundle<Search> local;
+    Bundle<Search> local(scene);
     for (uint32_t rest = rays; rest; rest &= rest - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(rest));
       if (world.searches[i]->is_over()) continue;
@@ -780,7 +825,7 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
 template <typename Search>
 HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays,
                                   Search* searches) {
-  Bundle<Search> bundle;
+  Bundle<Search> bundle(scene);
   bundle.count = rays.size();
   for (size_t i = 0; i < rays.size(); ++i) {
     const Vec3 &o = rays[i].origin, &d = rays[i].direction;
