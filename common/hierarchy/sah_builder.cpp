@@ -22,6 +22,10 @@ constexpr size_t kLeastPerTask = 1 << 14;
 // The costs that the collapse weighs, in tests of one block of eight primitives (measured).
 constexpr float kNodeCost = 1.0f;
 
+/// What would fit into a leaf is still divided if its box is larger than this part of the whole one: such
+/// leaves are few, and met by many rays.
+constexpr float kLargeLeaf = 1e-3f;
+
 /// Bounds with four lanes, so that compilers use one instruction for all of them.
 struct alignas(16) Bounds {
   std::array<float, 4> lo, hi;
@@ -203,7 +207,9 @@ class SahBuilder {
     node.count = range.count;
     node.left_count = 0;
     Range left, right;
-    if (range.count > most_in_leaf_ && divide(range, depth, left, right)) {
+    const bool is_small =
+        range.count <= most_in_leaf_ && !(range.bounds.area() > kLargeLeaf * binary_[0].bounds.area());
+    if (range.count > 1 && !is_small && divide(range, depth, left, right)) {
       node.left_count = left.count;
       const auto split_left = [&] { split(left_of(index), left, depth + 1, task_levels - 1); };
       if (task_levels > 0 && range.count >= kLeastPerTask) {

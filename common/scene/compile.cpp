@@ -154,8 +154,12 @@ class Compiler {
 
   CompiledScene compile() {
     add_head();
+    const std::vector<uint32_t> fixed = fixed_objects();
+    add_part(description_.root, fixed);
+    std::vector<bool> is_added(description_.objects.size());
+    for (const uint32_t object : fixed) is_added[object] = true;
     for (uint32_t object = 0; object < description_.objects.size(); ++object)
-      if (!description_.objects[object].primitives.empty()) add_part(object);
+      if (!is_added[object]) add_part(object, std::span(&object, 1));
     expand(description_.root, kNone, {});
     build_object_part();
     CompiledScene result;
@@ -301,12 +305,27 @@ class Compiler {
     }
   }
 
-  void add_part(uint32_t object) {
+  /// The root and the objects that stand once in the scene, with no transform on the way to them: their
+  /// primitives never move against each other, so they are one part.
+  std::vector<uint32_t> fixed_objects() const {
+    std::vector<uint32_t> uses(description_.objects.size());
+    for (const ObjectDescription& object : description_.objects)
+      for (const ChildDescription& child : object.children) ++uses[child.object];
+    std::vector<uint32_t> fixed{description_.root};
+    for (size_t i = 0; i < fixed.size(); ++i)  // grows while it is read
+      for (const ChildDescription& child : description_.objects[fixed[i]].children)
+        if (child.transform.empty() && uses[child.object] == 1) fixed.push_back(child.object);
+    return fixed;
+  }
+
+  /// Makes the primitives of `objects` one part, which moves with `owner`.
+  void add_part(uint32_t owner, std::span<const uint32_t> objects) {
     PartPrimitives primitives;
-    for (const PrimitiveDescription& p : description_.objects[object].primitives)
-      std::visit([&](const auto& shape) { add(primitives, p, shape); }, p.shape);
+    for (const uint32_t object : objects)
+      for (const PrimitiveDescription& p : description_.objects[object].primitives)
+        std::visit([&](const auto& shape) { add(primitives, p, shape); }, p.shape);
     if (arrays_.triangle_shading.size() > limits::kPrimitives)
-      throw InputError(description_.source(description_.objects[object].place),
+      throw InputError(description_.source(description_.objects[owner].place),
                        "the scene has too many triangles");
     if (primitives.ids.empty()) return;
 
@@ -337,7 +356,7 @@ class Compiler {
                                       &part.quadric_count};  // in the order of PrimitiveKind
       ++*counts[static_cast<size_t>(id.kind())];
     }
-    part_of_[object] = static_cast<uint32_t>(arrays_.parts.size());
+    part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(part);
   }
 
