@@ -417,14 +417,20 @@ template <typename Search>
 class SingleWalker {
  public:
   static constexpr bool kNearestFirst = Search::kNearestFirst;
+  /// There is but one ray, so sets of rays need no bits.
+  struct RaySet {};
+  struct RaySets {
+    RaySet operator[](size_t) const { return {}; }
+  };
+  static constexpr RaySet kAll{};
   SingleWalker(const PreparedRay& ray, Search& search) : ray_(ray), search_(search) {}
   const BoxRay& box_ray() const { return ray_; }
   float t_far() const { return search_.t_far(); }
-  HWY_INLINE uint32_t without_missed_children(const VolumeNode&, uint32_t mask, uint32_t, uint32_t*) const {
+  HWY_INLINE uint32_t without_missed_children(const VolumeNode&, uint32_t mask, RaySet, RaySets&) const {
     return mask;
   }
   /// True ends the walk.
-  HWY_INLINE bool visit_leaf(const ChildRef& leaf, uint32_t instance, uint32_t /*rays*/) {
+  HWY_INLINE bool visit_leaf(const ChildRef& leaf, uint32_t instance, RaySet) {
     return search_.test_leaf(leaf, ray_, instance);
   }
 
@@ -598,6 +604,9 @@ template <typename Search>
 class PacketWalker {
  public:
   static constexpr bool kNearestFirst = Search::kNearestFirst;
+  using RaySet = uint32_t;  ///< bit i: ray i
+  using RaySets = std::array<RaySet, 8>;
+  static constexpr RaySet kAll = kAllRays;
   PacketWalker(const Packet& packet, const Bundle<Search>& bundle) : packet_(packet), bundle_(bundle) {
     update();
   }
@@ -605,8 +614,8 @@ class PacketWalker {
   float t_far() const { return t_far_; }
 
   /// Drops the children that no ray of `among` meets, and tells for each of the others which rays do.
-  HWY_INLINE uint32_t without_missed_children(const VolumeNode& node, uint32_t mask, uint32_t among,
-                                              uint32_t* rays) const {
+  HWY_INLINE uint32_t without_missed_children(const VolumeNode& node, uint32_t mask, RaySet among,
+                                              RaySets& rays) const {
     for (uint32_t rest = mask; rest; rest &= rest - 1) {
       const auto slot = static_cast<size_t>(std::countr_zero(rest));
       rays[slot] = packet_.rays_meeting(node, slot, t_fars_) & among;
@@ -615,7 +624,7 @@ class PacketWalker {
     return mask;
   }
 
-  HWY_INLINE bool visit_leaf(const ChildRef& leaf, uint32_t instance, uint32_t rays) {
+  HWY_INLINE bool visit_leaf(const ChildRef& leaf, uint32_t instance, RaySet rays) {
     rays &= active_;
     if (leaf.kind() == ChildKind::triangles && std::popcount(rays) > 1) {
       for (uint32_t block = leaf.first; block < leaf.first + leaf.count(); ++block) {
@@ -672,13 +681,13 @@ HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, Walker
   struct Entry {
     uint64_t child;  ///< a ChildRef
     float t;
-    uint32_t rays;
+    [[no_unique_address]] typename Walker::RaySet rays;
   };
   Entry stack[kStackSize];  // not initialised: clearing it would cost more than many a walk
   Entry* top = stack;
   uint64_t current = std::bit_cast<uint64_t>(root);
-  uint32_t rays = kAllRays;
-  uint32_t rays_of[8] = {kAllRays, kAllRays, kAllRays, kAllRays, kAllRays, kAllRays, kAllRays, kAllRays};
+  typename Walker::RaySet rays = Walker::kAll;
+  typename Walker::RaySets rays_of;
   const auto child_of = [](const VolumeNode& node, size_t slot)
                             HWY_ATTR { return std::bit_cast<uint64_t>(node.children[slot]); };
   while (true) {
@@ -745,10 +754,9 @@ template <typename Walker>
 HWY_INLINE bool walk_part(const Scene& scene, uint32_t instance, Walker& walker) {
   const Part& part = scene.parts[scene.instances[instance].part];
   return walk(
-      scene.nodes.data(), part.root,
-      walker, [&](const ChildRef& leaf, uint32_t rays) HWY_ATTR __attribute__((always_inline)) {
-        return walker.visit_leaf(leaf, instance, rays);
-      });
+      scene.nodes.data(), part.root, walker,
+      [&](const ChildRef& leaf, typename Walker::RaySet rays) HWY_ATTR
+      __attribute__((always_inline)) { return walker.visit_leaf(leaf, instance, rays); });
 }
 
 template <typename Search>
@@ -774,14 +782,14 @@ HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, Walker& walker,
                            VisitInstances visit_instances) {
   const ChildRef root = scene.head().object_root;
   if (root.kind() == ChildKind::empty) return false;
-  if (root.kind() == ChildKind::instances) return visit_instances(root, kAllRays);
+  if (root.kind() == ChildKind::instances) return visit_instances(root, Walker::kAll);
   return walk(pose.nodes.data(), root, walker, visit_instances);
 }
 
 template <typename Search>
 HWY_INLINE bool search_for_one(const Scene& scene, const Pose& pose, const PreparedRay& ray, Search& search) {
   SingleWalker walker(ray, search);
-  return walk_scene(scene, pose, walker, [&](const ChildRef& leaf, uint32_t /*rays*/) HWY_ATTR {
+  return walk_scene(scene, pose, walker, [&](const ChildRef& leaf, auto /*rays*/) HWY_ATTR {
     return walk_instances(scene, pose, leaf, ray, search);
   });
 }
