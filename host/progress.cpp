@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -33,29 +34,46 @@ Progress::Progress(ProgressStyle style, uint64_t pixels_total) : style_(style), 
     style_ = isatty(STDERR_FILENO) ? ProgressStyle::tty : ProgressStyle::plain;
 }
 
-void Progress::show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
-                    bool at_end) {
-  if (style_ == ProgressStyle::none) return;
+bool Progress::is_time(double now_s) {
   const double interval = style_ == ProgressStyle::tty ? kTtyInterval_s : kPlainInterval_s;
-  if (!at_end && (shown_s_ < 0 ? now_s < interval : now_s - shown_s_ < interval)) return;
+  if (now_s - std::max(shown_s_, 0.0) < interval) return false;
   shown_s_ = now_s;
-  const double done =
-      pixels_total_ ? static_cast<double>(pixels_done) / static_cast<double>(pixels_total_) : 1;
-  const std::string eta = done > 0 ? format_duration(now_s * (1 - done) / done) : "?";
-  const std::string text = fmt::format(
-      "{:5.1f} %  {}  ETA {}  {}rays/s  {:.2f} bytes/pixel  {} node{}", 100 * done, format_duration(now_s),
-      eta, format_count(now_s > 0 ? static_cast<double>(rays) / now_s : 0),
-      pixels_done ? static_cast<double>(result_bytes) / static_cast<double>(pixels_done) : 0.0, nodes,
-      nodes == 1 ? "" : "s");
+  return true;
+}
+
+void Progress::print(const std::string& text, double share_done) {
   if (style_ == ProgressStyle::plain) {
     fmt::print(stderr, "{}\n", text);
   } else {
-    const auto filled = static_cast<size_t>(done * kBarWidth);
+    const auto filled = static_cast<size_t>(share_done * kBarWidth);
     fmt::print(stderr, "\r\033[K[{}{}] {}", std::string(filled, '#'), std::string(kBarWidth - filled, '.'),
                text);
     line_is_open_ = true;
   }
   std::fflush(stderr);
+}
+
+void Progress::show_building(double now_s, uint64_t done, uint64_t total) {
+  if (style_ == ProgressStyle::none || total == 0 || !is_time(now_s)) return;
+  // Clipping makes more pieces than there were primitives.
+  const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
+  print(fmt::format("{:5.1f} %  {}  building the hierarchy of {}primitives", 100 * share,
+                    format_duration(now_s), format_count(static_cast<double>(total))),
+        share);
+}
+
+void Progress::show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
+                    bool at_end) {
+  if (style_ == ProgressStyle::none || (!is_time(now_s) && !at_end)) return;
+  const double done =
+      pixels_total_ ? static_cast<double>(pixels_done) / static_cast<double>(pixels_total_) : 1;
+  const std::string eta = done > 0 ? format_duration(now_s * (1 - done) / done) : "?";
+  print(fmt::format("{:5.1f} %  {}  ETA {}  {}rays/s  {:.2f} bytes/pixel  {} node{}", 100 * done,
+                    format_duration(now_s), eta,
+                    format_count(now_s > 0 ? static_cast<double>(rays) / now_s : 0),
+                    pixels_done ? static_cast<double>(result_bytes) / static_cast<double>(pixels_done) : 0.0,
+                    nodes, nodes == 1 ? "" : "s"),
+        done);
 }
 
 void Progress::clear() {

@@ -10,7 +10,9 @@ enum class ProgressStyle { automatic, tty, plain, none };
 
 class Progress {
  public:
-  Progress(ProgressStyle style, uint64_t pixels_total);
+  explicit Progress(ProgressStyle style, uint64_t pixels_total = 0);
+  /// Shows how far the hierarchy of a big scene is, if it is time to.
+  void show_building(double now_s, uint64_t done, uint64_t total);
   /// Shows the state if it is time to; `now_s` is the time since tracing began.
   void show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
             bool at_end = false);
@@ -18,6 +20,9 @@ class Progress {
   void clear();
 
  private:
+  bool is_time(double now_s);
+  void print(const std::string& text, double share_done);
+
   ProgressStyle style_;
   uint64_t pixels_total_;
   double shown_s_ = -1;

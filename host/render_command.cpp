@@ -44,6 +44,9 @@ struct LoadedScene {
   double load_s = 0, build_s = 0;
 };
 
+/// A scene with so many primitives takes long enough to build that its progress is shown.
+constexpr uint64_t kBigScene = 200'000;
+
 LoadedScene load(const std::string& path, const BuildOptions& build) {
   LoadedScene loaded;
   const double begin = now_s();
@@ -254,16 +257,22 @@ class RenderCommand {
     check_folder("-o", options_.output);
     if (!options_.stats.empty()) check_folder("--stats", options_.stats);
     Reception reception(farm_.transport, result_);
-    std::future<LoadedScene> loading = std::async(std::launch::async, load, options_.scene,
-                                                  BuildOptions{options_.split_rule, options_.max_primitives});
+    BuildProgress building;
+    std::future<LoadedScene> loading =
+        std::async(std::launch::async, load, options_.scene,
+                   BuildOptions{options_.split_rule, options_.max_primitives, &building});
+    Progress progress(options_.is_quiet ? ProgressStyle::none : options_.progress);
+    const double begin = now_s();
     Backoff backoff;
     while (!loaded_ || !reception.all_reported()) {
       // A scene that can't be loaded ends the job at once, whoever has reported.
       if (!loaded_ && loading.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
         loaded_ = loading.get();
       reception.serve();
+      if (building.total >= kBigScene) progress.show_building(now_s() - begin, building.done, building.total);
       backoff.wait();
     }
+    progress.clear();
     return render_loaded();
   }
 

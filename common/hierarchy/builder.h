@@ -3,6 +3,7 @@
 // each child is fitted again to the data that fell into it. The result is a tree of eight tight boxes per
 // node. A builder never knows its primitives: it takes bounds, clips them, and gives ranges of references to
 // a structurer.
+#include <atomic>
 #include <functional>
 #include <span>
 #include <vector>
@@ -38,9 +39,15 @@ enum class SplitRule : uint8_t {
   thesis  ///< into the octants about the centre of the data, straddling primitives clipped (4.2.1.2)
 };
 
+/// How far a build is, for those who watch it from another thread.
+struct BuildProgress {
+  std::atomic<uint64_t> total = 0, done = 0;  ///< primitives
+};
+
 struct BuildOptions {
   SplitRule rule = SplitRule::sah;
   uint32_t max_primitives = 8;  ///< a volume with at most this many is a leaf (the thesis used 4 to 30)
+  BuildProgress* progress = nullptr;
 };
 
 /// The structurer: packs a leaf's references into records for the traverser. It may append nodes.

@@ -68,7 +68,8 @@ class SahBuilder {
         binary_(new BinaryNode[2 * references_.size() - 1]),
         most_in_leaf_(options.max_primitives),
         make_leaf_(make_leaf),
-        nodes_(nodes) {}
+        nodes_(nodes),
+        progress_(options.progress) {}
 
   ChildRef build() {
     const auto cores = std::max(1u, std::thread::hardware_concurrency());
@@ -220,6 +221,8 @@ class SahBuilder {
         split_left();
         split(right_of(index), right, depth + 1, 0);
       }
+    } else if (progress_) {
+      progress_->done += range.count;
     }
     plan(index);
   }
@@ -318,6 +321,7 @@ class SahBuilder {
   size_t most_in_leaf_;
   const LeafMaker& make_leaf_;
   std::vector<VolumeNode>& nodes_;
+  BuildProgress* progress_;
 };
 
 /// Clips large primitives that fill their boxes badly, a long wall askew to the axes, before the tree is
@@ -354,7 +358,7 @@ class Splitter {
   }
 
  private:
-  static constexpr double kLeastGain = 2e-5;  ///< of the whole box's area, for which a split pays (measured)
+  static constexpr double kLeastGain = 1e-4;  ///< of the whole box's area, for which a split pays (measured)
   static constexpr double kMostGrowth = 0.2;  ///< in references
 
   struct Candidate {
@@ -397,6 +401,7 @@ class Splitter {
 ChildRef build_sah(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
                    const BuildOptions& options, const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes) {
   Splitter(references, source).run();
+  if (options.progress) options.progress->total += references.size() - source.size();
   return SahBuilder(std::move(references), options, make_leaf, nodes).build();
 }
 

@@ -23,9 +23,12 @@ class ThesisBuilder {
       : source_(source), options_(options), make_leaf_(make_leaf), nodes_(nodes) {}
 
   ChildRef build(std::vector<PrimitiveReference> references, int depth) {
-    if (references.size() <= options_.max_primitives || depth >= kMostSplits) return make_leaf_(references);
     Octants octants;
-    if (!split(references, octants)) return make_leaf_(references);  // all centres coincide
+    // Where all centres coincide there is no split.
+    if (references.size() <= options_.max_primitives || depth >= kMostSplits || !split(references, octants)) {
+      if (options_.progress) options_.progress->done += references.size();
+      return make_leaf_(references);
+    }
     std::vector<PrimitiveReference>().swap(references);
 
     const auto index = static_cast<uint32_t>(nodes_.size());

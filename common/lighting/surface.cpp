@@ -55,8 +55,11 @@ LocalSurface eval_polygon(const Scene& scene, const Polygon& polygon, const Hit&
   LocalSurface s;
   s.geometric_normal = s.shading_normal = polygon.normal;
   s.material = polygon.material;
-  s.magnitude = hit.block_lane == kNone ? std::max(std::abs(polygon.distance), max_magnitude(p))
-                                        : magnitude_of(vertices_of(scene, hit.block_lane));
+  s.magnitude = std::max(std::abs(polygon.distance), max_magnitude(p));
+  // Tested as triangles it has their rounding: of all of them, because a hit on their common edge may be
+  // either's.
+  if (hit.block_lane != kNone)
+    for (const Vec3& q : scene.points_of(polygon)) s.magnitude = std::max(s.magnitude, max_magnitude(q));
   if (polygon.first_normal != kNone) {
     const auto points = scene.points_of(polygon);
     const auto normals = scene.normals_of(polygon);

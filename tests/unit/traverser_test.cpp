@@ -10,9 +10,26 @@ Ray random_ray(std::mt19937& random, double scale) {
   const Vec3 origin = test::random_point(random, 2 * scale);
   Vec3 direction = test::random_point(random, 1);
   const uint32_t kind = random() % 8;
-  if (kind == 0) direction = Vec3(0, 0, random() % 2 ? 1 : -1);  // along an axis
-  if (kind == 1) direction.x = 0;                                // in a plane
+  const auto zero = [&] { return random() % 2 ? 0.0 : -0.0; };
+  if (kind == 0) direction = Vec3(zero(), zero(), random() % 2 ? 1 : -1);  // along an axis
+  if (kind == 1) direction.x = zero();                                     // in a plane
   return {origin, normalized(direction)};
+}
+
+/// As many rays as make a packet: neighbours, strangers, or some with zeros of either sign.
+std::vector<Ray> random_packet(std::mt19937& random, double scale) {
+  std::vector<Ray> rays;
+  const Ray first = random_ray(random, scale);
+  const uint32_t kind = random() % 4;
+  for (size_t i = 0; i < 1 + random() % kMostPacketRays; ++i) {
+    Ray ray = kind == 0 ? random_ray(random, scale) : first;
+    if (kind == 1) ray.direction += test::random_point(random, 0.02);
+    if (kind == 2) ray.origin += test::random_point(random, 0.1 * scale);
+    if (kind == 3) ray.direction.y = random() % 2 ? 0.0 : -0.0;
+    if (random() % 4 == 0) ray.t_max = scale;
+    rays.push_back(ray);
+  }
+  return rays;
 }
 
 void expect_same(const Hit& a, const Hit& b) {
@@ -43,10 +60,32 @@ void compare_with_brute_force(const CompiledScene& compiled, double scale, int r
   EXPECT_GT(hits, 30);
 }
 
+void compare_packets_with_single_rays(const CompiledScene& compiled, double scale, int packets) {
+  FramePose frame_pose(compiled.scene);
+  const Pose pose = frame_pose.at(0);
+  std::mt19937 random(8);
+  for (int n = 0; n < packets; ++n) {
+    const std::vector<Ray> rays = random_packet(random, scale);
+    std::array<Hit, kMostPacketRays> hits;
+    closest_hits(compiled.scene, pose, rays, hits.data());
+    const uint32_t any = any_hits(compiled.scene, pose, rays);
+    EXPECT_EQ(any >> rays.size(), 0u);
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const Hit single = closest_hit(compiled.scene, pose, rays[i]);
+      expect_same(hits[i], single);
+      EXPECT_EQ(hits[i].u, single.u);
+      EXPECT_EQ(any >> i & 1, any_hit(compiled.scene, pose, rays[i]) ? 1u : 0u);
+      if (testing::Test::HasFailure()) FAIL() << "packet " << n << ", ray " << i;
+    }
+  }
+}
+
 class Scales : public testing::TestWithParam<double> {};
 
 TEST_P(Scales, MixedSceneAgreesWithBruteForce) {
-  compare_with_brute_force(compile(test::make_mixed_scene(3, GetParam(), 400)), GetParam(), 4000);
+  const CompiledScene compiled = compile(test::make_mixed_scene(3, GetParam(), 400));
+  compare_with_brute_force(compiled, GetParam(), 4000);
+  compare_packets_with_single_rays(compiled, GetParam(), 2000);
 }
 
 INSTANTIATE_TEST_SUITE_P(, Scales, testing::Values(1e-3, 1.0, 1e6));
@@ -74,7 +113,96 @@ TEST(Traverser, InstancesUnderTransforms) {
         {TransformKind::translate, constant_curve(Vec4(test::random_point(random, 3), 0)), {}, {}});
     scene.objects[1].children.push_back(child);
   }
-  compare_with_brute_force(compile(scene), 3, 3000);
+  const CompiledScene compiled = compile(scene);
+  compare_with_brute_force(compiled, 3, 3000);
+  compare_packets_with_single_rays(compiled, 3, 2000);
+}
+
+TEST(Traverser, PacketsAreTheirRaysOnEverySimdTarget) {
+  const CompiledScene compiled = compile(test::make_mixed_scene(12, 1, 300));
+  for (const std::string& target : simd_targets()) {
+    force_simd_target(target);
+    compare_packets_with_single_rays(compiled, 1, 500);
+  }
+  force_simd_target("");
+}
+
+/// A mesh of `count` triangles; triangle i has the corners that `corner(i, 0..2)` tells.
+template <typename Corner>
+SceneDescription make_triangles(uint32_t count, Corner corner) {
+  SceneDescription scene;
+  scene.files = {"triangles"};
+  scene.materials.push_back({.name = "default"});
+  MeshShape mesh;
+  for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t k = 0; k < 3; ++k) mesh.positions.emplace_back(corner(i, k));
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  scene.objects.push_back({"mesh", {{mesh, 0, {}}}, {}, {}});
+  return scene;
+}
+
+TEST(Traverser, LongWallsAmongSmallThingsAreClippedAndFound) {
+  // Slanted walls through a cloud of small triangles: the walls' boxes would hold everything.
+  std::mt19937 random(21);
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 40; ++i)
+    for (int k = 0; k < 3; ++k) corners.push_back(test::random_point(random, 1));
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 center = test::random_point(random, 1);
+    for (int k = 0; k < 3; ++k) corners.push_back(center + test::random_point(random, 0.02));
+  }
+  const CompiledScene compiled = compile(make_triangles(
+      static_cast<uint32_t>(corners.size() / 3), [&](uint32_t i, uint32_t k) { return corners[3 * i + k]; }));
+  EXPECT_EQ(compiled.scene.parts[0].triangle_count, corners.size() / 3);
+  size_t pieces = 0;
+  for (const TriangleBlock& block : compiled.scene.triangle_blocks)
+    for (const PrimitiveId p : block.primitives) pieces += p == kNoPrimitive ? 0 : 1;
+  EXPECT_GT(pieces, corners.size() / 3 + 100);
+  compare_with_brute_force(compiled, 1, 3000);
+  compare_packets_with_single_rays(compiled, 1, 1000);
+}
+
+TEST(Traverser, ExtremeDataStayWithinTheStack) {
+  // Sizes that double from one triangle to the next make the deepest binary trees.
+  const CompiledScene doubling = compile(make_triangles(200, [](uint32_t i, uint32_t k) {
+    const double size = std::ldexp(1.0, static_cast<int>(i) / 4 - 25);
+    return Vec3(size, k == 1 ? size : 0, k == 2 ? size : 0);
+  }));
+  compare_with_brute_force(doubling, 10, 3000);
+  // All in one place: no split can part them.
+  const CompiledScene equal = compile(make_triangles(
+      1000, [](uint32_t, uint32_t k) { return Vec3(k == 0 ? -1 : 1, k == 1 ? -1 : 1, k == 2 ? 0.5 : 0); }));
+  compare_with_brute_force(equal, 1, 1000);
+}
+
+TEST(Traverser, AMeshTakesAtMost64BytesPerTriangle) {
+  constexpr uint32_t kSide = 100;
+  const CompiledScene compiled = compile(make_triangles(2 * kSide * kSide, [](uint32_t i, uint32_t k) {
+    const uint32_t cell = i / 2, x = cell % kSide, z = cell / kSide;
+    const bool is_second = i % 2 != 0;
+    const double u = x + ((k == 1) != is_second ? 1.0 : 0.0), v = z + ((k == 2) != is_second ? 1.0 : 0.0);
+    return Vec3(u, std::sin(0.3 * u) * std::cos(0.2 * v), v);
+  }));
+  const Scene& scene = compiled.scene;
+  EXPECT_LE(static_cast<double>(scene.nodes.size_bytes() + scene.triangle_blocks.size_bytes()),
+            64.0 * scene.parts[0].triangle_count);
+}
+
+TEST(Traverser, WhatNeverMovesIsOnePart) {
+  const CompiledScene compiled =
+      compile(test::load_yaml(test::view_text() + "objects:\n"
+                                                  "  shared: {sphere: {center: [0, 0, 0], radius: 1}}\n"
+                                                  "scene:\n"
+                                                  "  - {sphere: {center: [5, 0, 0], radius: 1}}\n"
+                                                  "  - group: [{sphere: {center: [9, 0, 0], radius: 1}}]\n"
+                                                  "  - {use: shared}\n"
+                                                  "  - {use: shared, transform: {translate: [0, 5, 0]}}\n"
+                                                  "  - {transform: {translate: [0, 9, 0]}, sphere: {center: "
+                                                  "[0, 0, 0], radius: 1}}\n"));
+  EXPECT_EQ(compiled.scene.instances.size(),
+            4u);  // the fixed two, the shared one twice, the one that was moved
+  EXPECT_EQ(compiled.scene.parts.size(), 3u);
 }
 
 TEST(Traverser, EverySimdTargetGivesTheSameBits) {

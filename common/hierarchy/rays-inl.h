@@ -1,0 +1,341 @@
+// Rays as the traverser's tests take them, alone and in packets, and the test of boxes. Compiled once for
+// each SIMD target.
+#if defined(RAYFARM_COMMON_HIERARCHY_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYFARM_COMMON_HIERARCHY_RAYS_INL_H_
+#undef RAYFARM_COMMON_HIERARCHY_RAYS_INL_H_
+#else
+#define RAYFARM_COMMON_HIERARCHY_RAYS_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "common/hierarchy/traverser.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rayfarm {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using FloatTag = hn::CappedTag<float, 8>;
+using DoubleTag = hn::CappedTag<double, 8>;
+using HalfFloatTag = hn::Rebind<float, DoubleTag>;
+
+// Box distances are computed in float as plane × inverse + bias. Every step rounds by at most 2^-24 of
+// |plane × inverse| <= |t| + |origin × inverse|; there are four of them (the inverse, the bias, the product
+// and the sum). The part that grows with t is covered by widening the far distances, the other one by slack
+// in the bias.
+constexpr double kWiden = 1 + 0x1p-21;
+constexpr double kSlack = 0x1p-21;
+
+/// A float that no conservative comparison with `t` may fall below.
+inline float widened(double t) {
+  return static_cast<float>(t * kWiden);
+}
+
+template <class D>
+HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
+  uint8_t bits[8];
+  hn::StoreMaskBits(d, mask, bits);
+  return bits[0];
+}
+
+/// The least magnitude that a direction's component counts with. A direction that is nearly parallel to a
+/// plane acts as one that meets it, but far behind all else: boxes are never thinner than their margin.
+inline double least_component(double largest) {
+  return HWY_UNLIKELY(largest < 1e-3) ? 1e-18 * largest : 1e-20;
+}
+
+using WideTag = hn::CappedTag<double, 4>;
+using NarrowTag = hn::Rebind<float, WideTag>;
+
+/// What the box test needs to know of a ray, or of a packet of them: distances to near and far planes are
+/// plane × inverse + bias, bounded from below and above. The fourth elements are padding.
+struct BoxRay {
+  HWY_ALIGN std::array<float, 4> near_inverse, near_bias, far_inverse, far_bias;
+  uint32_t backward;  ///< bit i: component i of the direction is negative
+};
+
+/// What primitive tests need to know of a ray.
+struct PrimitiveRay {
+  HWY_ALIGN std::array<double, 4> origin, direction;  ///< the fourth elements are padding
+  // Triangles (Woop, Benthin, Wald 2013): the ray is sheared onto its largest axis kz.
+  uint32_t kx, ky, kz;
+  double shear_x, shear_y, shear_z;
+
+  Vec3 origin_vector() const { return {origin[0], origin[1], origin[2]}; }
+  Vec3 direction_vector() const { return {direction[0], direction[1], direction[2]}; }
+  HWY_INLINE void set_axes(uint32_t largest_axis) {
+    kz = largest_axis;
+    kx = 0x021u >> (4 * kz) & 3;  // (kz + 1) mod 3
+    ky = 0x102u >> (4 * kz) & 3;  // (kz + 2) mod 3
+  }
+};
+
+/// A ray in one space, prepared for box and primitive tests.
+struct PreparedRay : BoxRay, PrimitiveRay {
+  /// A ray in the world.
+  HWY_INLINE explicit PreparedRay(const Ray& ray) {
+    // The fourth element that is read here is the member behind the vector.
+    static_assert(offsetof(Ray, direction) == 3 * sizeof(double) && sizeof(Ray) == 7 * sizeof(double));
+    const auto* const numbers = reinterpret_cast<const double*>(&ray);
+    const WideTag d;
+    for (size_t i = 0; i < 4; i += hn::Lanes(d)) {
+      hn::Store(hn::LoadU(d, numbers + i), d, &origin[i]);
+      hn::Store(hn::LoadU(d, numbers + 3 + i), d, &direction[i]);
+    }
+    prepare();
+  }
+  HWY_INLINE explicit PreparedRay(const PrimitiveRay& ray) : PrimitiveRay(ray) { prepare(); }
+  /// The same ray in the space of an instance.
+  HWY_INLINE PreparedRay(const PrimitiveRay& world, const Affine& object_from_world) {
+    const Vec3 o = object_from_world.point(world.origin_vector());
+    const Vec3 d = object_from_world.vector(world.direction_vector());
+    origin = {o.x, o.y, o.z, 0};
+    direction = {d.x, d.y, d.z, 0};
+    prepare();
+  }
+
+ private:
+  HWY_INLINE void prepare() {
+    const double x = std::abs(direction[0]), y = std::abs(direction[1]), z = std::abs(direction[2]);
+    const double largest_xy = std::max(x, y), largest = std::max(largest_xy, z);
+    const auto y_over_x = static_cast<uint32_t>(y > x), z_over_all = static_cast<uint32_t>(z >= largest_xy);
+    set_axes(y_over_x + (2 - y_over_x) * z_over_all);  // no branch: no one could predict it
+    const WideTag wide;
+    const NarrowTag narrow;
+    HWY_ALIGN double inverses[4];
+    const auto least = hn::Set(wide, least_component(largest));
+    backward = 0;
+    for (size_t i = 0; i < 4; i += hn::Lanes(wide)) {
+      const auto component = hn::Load(wide, &direction[i]);
+      const auto inverse =
+          hn::Div(hn::Set(wide, 1.0), hn::CopySign(hn::Max(hn::Abs(component), least), component));
+      const auto bias = hn::Neg(hn::Mul(hn::Load(wide, &origin[i]), inverse));
+      const auto slack = hn::Mul(hn::Abs(bias), hn::Set(wide, kSlack));
+      hn::Store(inverse, wide, inverses + i);
+      hn::Store(hn::DemoteTo(narrow, inverse), narrow, &near_inverse[i]);
+      hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(wide, kWiden))), narrow, &far_inverse[i]);
+      hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, &near_bias[i]);
+      hn::Store(hn::DemoteTo(narrow, hn::Add(bias, hn::Add(slack, slack))), narrow, &far_bias[i]);
+      backward |= bits_of(wide, hn::Lt(inverse, hn::Zero(wide))) << i;  // of the inverse: -0 is negative too
+    }
+    backward &= 7;
+    shear_z = inverses[kz];
+    shear_x = direction[kx] * shear_z;
+    shear_y = direction[ky] * shear_z;
+  }
+};
+
+/// The box test of a ray or packet, with its constants in registers.
+class BoxTest {
+ public:
+  HWY_INLINE explicit BoxTest(const BoxRay& ray)
+      : near_inverse_x_(hn::Set(d_, ray.near_inverse[0])),
+        far_inverse_x_(hn::Set(d_, ray.far_inverse[0])),
+        near_inverse_y_(hn::Set(d_, ray.near_inverse[1])),
+        far_inverse_y_(hn::Set(d_, ray.far_inverse[1])),
+        near_inverse_z_(hn::Set(d_, ray.near_inverse[2])),
+        far_inverse_z_(hn::Set(d_, ray.far_inverse[2])),
+        near_bias_x_(hn::Set(d_, ray.near_bias[0])),
+        near_bias_y_(hn::Set(d_, ray.near_bias[1])),
+        near_bias_z_(hn::Set(d_, ray.near_bias[2])),
+        far_bias_x_(hn::Set(d_, ray.far_bias[0])),
+        far_bias_y_(hn::Set(d_, ray.far_bias[1])),
+        far_bias_z_(hn::Set(d_, ray.far_bias[2])),
+        near_x_(24 * (ray.backward & 1)),
+        near_y_(8 + 24 * (ray.backward >> 1 & 1)),
+        near_z_(16 + 24 * (ray.backward >> 2 & 1)),
+        far_x_(24u - near_x_),
+        far_y_(40u - near_y_),
+        far_z_(56u - near_z_) {}
+
+  /// Bit i of the result: the ray may meet child i's box in [0, t_far]. `entry` receives the children's near
+  /// distances.
+  HWY_INLINE uint32_t operator()(const VolumeNode& node, float t_far, float* HWY_RESTRICT entry) const {
+    const float* const planes = node.planes[0][0].data();
+    uint32_t mask = 0;
+    for (size_t lane = 0; lane < 8; lane += hn::Lanes(d_)) {
+      const auto near_x = hn::MulAdd(hn::Load(d_, planes + near_x_ + lane), near_inverse_x_, near_bias_x_);
+      const auto near_y = hn::MulAdd(hn::Load(d_, planes + near_y_ + lane), near_inverse_y_, near_bias_y_);
+      const auto near_z = hn::MulAdd(hn::Load(d_, planes + near_z_ + lane), near_inverse_z_, near_bias_z_);
+      const auto far_x = hn::MulAdd(hn::Load(d_, planes + far_x_ + lane), far_inverse_x_, far_bias_x_);
+      const auto far_y = hn::MulAdd(hn::Load(d_, planes + far_y_ + lane), far_inverse_y_, far_bias_y_);
+      const auto far_z = hn::MulAdd(hn::Load(d_, planes + far_z_ + lane), far_inverse_z_, far_bias_z_);
+      const auto near = hn::Max(hn::Max(near_x, near_y), hn::Max(near_z, hn::Zero(d_)));
+      const auto far = hn::Min(hn::Min(far_x, far_y), hn::Min(far_z, hn::Set(d_, t_far)));
+      hn::Store(near, d_, entry + lane);
+      mask |= bits_of(d_, hn::Le(near, far)) << lane;
+    }
+    return mask;
+  }
+
+ private:
+  using V = hn::Vec<FloatTag>;
+  FloatTag d_;
+  V near_inverse_x_, far_inverse_x_, near_inverse_y_, far_inverse_y_, near_inverse_z_, far_inverse_z_;
+  V near_bias_x_, near_bias_y_, near_bias_z_, far_bias_x_, far_bias_y_, far_bias_z_;
+  size_t near_x_, near_y_, near_z_, far_x_, far_y_,
+      far_z_;  ///< where the planes stand in a node, counted in floats
+};
+
+constexpr size_t kPacketRays = kMostPacketRays;
+constexpr uint32_t kAllRays = (1u << kPacketRays) - 1;
+
+/// Rays whose directions have the same signs and that walk together: one box test serves them all, with the
+/// bounds of their origins and directions; at a leaf each is tested by itself, exactly as if it had come
+/// alone.
+class Packet {
+ public:
+  using Lanes = std::array<float, kPacketRays>;
+
+  /// False if the rays are no packet: one alone, or of different signs. Then nothing else here holds.
+  HWY_INLINE bool join(std::span<const PrimitiveRay> rays) {
+    if (rays.size() < 2) return false;
+    HWY_ALIGN double origins[3][kPacketRays], directions[3][kPacketRays];
+    for (size_t axis = 0; axis < 3; ++axis)
+      for (size_t i = 0; i < kPacketRays; ++i) {  // the last ray fills up
+        const PrimitiveRay& ray = rays[std::min(i, rays.size() - 1)];
+        origins[axis][i] = ray.origin[axis];
+        directions[axis][i] = ray.direction[axis];
+      }
+    return set_bounds(origins, directions) && prepare_lanes(origins, directions);
+  }
+  /// Fills in what primitive tests need of the rays, beside origin and direction.
+  HWY_INLINE void prepare(std::span<PrimitiveRay> rays) const {
+    for (size_t i = 0; i < rays.size(); ++i) {
+      rays[i].set_axes(z_over_all_ >> i & 1 ? 2 : y_over_x_ >> i & 1);
+      rays[i].shear_x = shear_[0][i];
+      rays[i].shear_y = shear_[1][i];
+      rays[i].shear_z = shear_[2][i];
+    }
+  }
+
+  const BoxRay& bounds() const { return bounds_; }
+
+  /// The bits of the rays that may meet a child's box in [0, t_fars[ray]].
+  HWY_INLINE uint32_t rays_meeting(const VolumeNode& node, size_t slot, const Lanes& t_fars) const {
+    const FloatTag d;
+    uint32_t result = 0;
+    for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
+      auto near = hn::Zero(d), far = hn::Load(d, &t_fars[lane]);
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const size_t side = bounds_.backward >> axis & 1;
+        near = hn::Max(
+            near, hn::MulAdd(hn::Set(d, node.planes[side][axis][slot]),
+                             hn::Load(d, &near_inverse_[axis][lane]), hn::Load(d, &near_bias_[axis][lane])));
+        far = hn::Min(
+            far, hn::MulAdd(hn::Set(d, node.planes[1 - side][axis][slot]),
+                            hn::Load(d, &far_inverse_[axis][lane]), hn::Load(d, &far_bias_[axis][lane])));
+      }
+      result |= bits_of(d, hn::Le(near, far)) << lane;
+    }
+    return result;
+  }
+
+ private:
+  using Tag = hn::CappedTag<double, kPacketRays>;
+  using Columns = const double (*)[kPacketRays];
+  static HWY_INLINE void find_range(const double* values, double& lo, double& hi) {
+    const Tag d;
+    auto least = hn::Load(d, values), most = least;
+    for (size_t i = hn::Lanes(d); i < kPacketRays; i += hn::Lanes(d)) {
+      least = hn::Min(least, hn::Load(d, values + i));
+      most = hn::Max(most, hn::Load(d, values + i));
+    }
+    lo = hn::GetLane(hn::MinOfLanes(d, least));
+    hi = hn::GetLane(hn::MaxOfLanes(d, most));
+  }
+
+  /// The box test's bounds; false if the signs of a component differ.
+  HWY_INLINE bool set_bounds(Columns origins, Columns directions) {
+    std::array<double, 3> lo, hi;
+    double length = 0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      find_range(directions[axis], lo[axis], hi[axis]);
+      if (lo[axis] < 0 && hi[axis] > 0) return false;
+      length = std::max(length, std::max(std::abs(lo[axis]), std::abs(hi[axis])));
+    }
+    const double least = least_component(length);
+    bounds_.backward = 0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      double origin_lo, origin_hi;
+      find_range(origins[axis], origin_lo, origin_hi);
+      const bool is_backward = std::signbit(lo[axis]);
+      // The earliest that any ray can meet a plane is with the origin nearest to it and the fastest
+      // component.
+      const double fastest = is_backward ? lo[axis] : hi[axis], slowest = is_backward ? hi[axis] : lo[axis];
+      const double near = 1 / std::copysign(std::max(std::abs(fastest), least), fastest);
+      const double far = 1 / std::copysign(std::max(std::abs(slowest), least), slowest);
+      const double near_bias = -(is_backward ? origin_lo : origin_hi) * near;
+      const double far_bias = -(is_backward ? origin_hi : origin_lo) * far;
+      bounds_.near_inverse[axis] = static_cast<float>(near);
+      bounds_.far_inverse[axis] = static_cast<float>(far * kWiden);
+      bounds_.near_bias[axis] = static_cast<float>(near_bias - kSlack * std::abs(near_bias));
+      bounds_.far_bias[axis] = static_cast<float>(far_bias + 2 * kSlack * std::abs(far_bias));
+      bounds_.backward |= static_cast<uint32_t>(is_backward) << axis;
+    }
+    return true;
+  }
+
+  /// What PreparedRay holds of one ray, for all of them at once, by the same operations. False if the signs
+  /// of their components differ.
+  HWY_INLINE bool prepare_lanes(Columns origins, Columns directions) {
+    const Tag d;
+    const hn::Rebind<float, Tag> narrow;
+    z_over_all_ = y_over_x_ = 0;
+    std::array<uint32_t, 3> backward{};
+    for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
+      const auto x = hn::Load(d, &directions[0][lane]), y = hn::Load(d, &directions[1][lane]),
+                 z = hn::Load(d, &directions[2][lane]);
+      const auto largest_xy = hn::Max(hn::Abs(x), hn::Abs(y));
+      const auto y_over_x = hn::Gt(hn::Abs(y), hn::Abs(x)), z_over_all = hn::Ge(hn::Abs(z), largest_xy);
+      const auto largest = hn::Max(largest_xy, hn::Abs(z));
+      const auto least = hn::IfThenElse(hn::Lt(largest, hn::Set(d, 1e-3)),
+                                        hn::Mul(hn::Set(d, 1e-18), largest), hn::Set(d, 1e-20));
+      const auto prepare_axis = [&](size_t axis, hn::Vec<Tag> component) HWY_ATTR {
+        const auto inverse =
+            hn::Div(hn::Set(d, 1.0), hn::CopySign(hn::Max(hn::Abs(component), least), component));
+        const auto bias = hn::Neg(hn::Mul(hn::Load(d, &origins[axis][lane]), inverse));
+        const auto slack = hn::Mul(hn::Abs(bias), hn::Set(d, kSlack));
+        hn::Store(hn::DemoteTo(narrow, inverse), narrow, &near_inverse_[axis][lane]);
+        hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(d, kWiden))), narrow,
+                  &far_inverse_[axis][lane]);
+        hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, &near_bias_[axis][lane]);
+        hn::Store(hn::DemoteTo(narrow, hn::Add(bias, hn::Add(slack, slack))), narrow, &far_bias_[axis][lane]);
+        backward[axis] |= bits_of(d, hn::Lt(inverse, hn::Zero(d))) << lane;
+        return inverse;
+      };
+      const auto inverse_x = prepare_axis(0, x), inverse_y = prepare_axis(1, y),
+                 inverse_z = prepare_axis(2, z);
+      const auto by_axis = [&](hn::Vec<Tag> if_x, hn::Vec<Tag> if_y, hn::Vec<Tag> if_z) HWY_ATTR {
+        return hn::IfThenElse(z_over_all, if_z, hn::IfThenElse(y_over_x, if_y, if_x));
+      };
+      const auto shear_z = by_axis(inverse_x, inverse_y, inverse_z);
+      hn::Store(hn::Mul(by_axis(y, z, x), shear_z), d, &shear_[0][lane]);
+      hn::Store(hn::Mul(by_axis(z, x, y), shear_z), d, &shear_[1][lane]);
+      hn::Store(shear_z, d, &shear_[2][lane]);
+      z_over_all_ |= bits_of(d, z_over_all) << lane;
+      y_over_x_ |= bits_of(d, y_over_x) << lane;
+    }
+    for (size_t axis = 0; axis < 3; ++axis)
+      if (backward[axis] != (bounds_.backward >> axis & 1 ? kAllRays : 0)) return false;  // as with 0 and -0
+    return true;
+  }
+
+  BoxRay bounds_;
+  HWY_ALIGN std::array<Lanes, 3> near_inverse_, near_bias_, far_inverse_, far_bias_;  ///< [axis][ray]
+  HWY_ALIGN double shear_[3][kPacketRays];
+  uint32_t z_over_all_, y_over_x_;  ///< bits of the rays whose largest component is z, or else y
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rayfarm
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,49 @@
+// What a new frame costs before its first ray: the poses of moving objects and the refit of the boxes over
+// them.
+#include <benchmark/benchmark.h>
+
+#include <random>
+
+#include "common/hierarchy/pose.h"
+#include "common/scene/compile.h"
+
+namespace {
+
+using namespace rayfarm;
+
+/// Spheres of a shared object, each on its own straight way.
+CompiledScene make_swarm(int64_t objects) {
+  SceneDescription scene;
+  scene.files = {"swarm"};
+  scene.materials.emplace_back();
+  ObjectDescription ball, root;
+  ball.primitives.push_back({SphereShape{}, 0, {}});
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-50, 50);
+  for (int64_t i = 0; i < objects; ++i) {
+    TransformStep step;
+    step.kind = TransformKind::translate;
+    step.curve.frames = {0, 100};
+    for (int key = 0; key < 2; ++key)
+      step.curve.values.emplace_back(place(random), place(random), place(random), 0);
+    root.children.push_back({1, {step}, {}});
+  }
+  scene.objects = {root, ball};
+  scene.frames = {0, 100};
+  return compile(scene);
+}
+
+void refit_frame(benchmark::State& state) {
+  const CompiledScene compiled = make_swarm(state.range(0));
+  FramePose pose(compiled.scene);
+  double frame = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(pose.at(frame));
+    frame = frame < 100 ? frame + 1 : 0;
+  }
+}
+BENCHMARK(refit_frame)->Arg(10)->Arg(1000)->Arg(100000)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+
+BENCHMARK_MAIN();
