@@ -57,7 +57,7 @@ void Progress::show_building(double now_s, uint64_t done, uint64_t total) {
   if (style_ == ProgressStyle::none || total == 0 || !is_time(now_s)) return;
   // Clipping makes more pieces than there were primitives.
   const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
-  print(fmt::format("{:5.1f} %  {}  building the hierarchy of {}primitives", 100 * share,
+  print(fmt::format("{:5.1f} %  {}  building the hierarchy of {} primitives", 100 * share,
                     format_duration(now_s), format_count(static_cast<double>(total))),
         share);
 }
