@@ -388,6 +388,7 @@ int main(int argc, char** argv) {
     benchmark::RegisterBenchmark((subject->name + "/build").c_str(),
                                  [&subject](benchmark::State& state) { compare_builds(state, *subject); })
         ->UseManualTime()
+        ->MinTime(5)  // a build is longer than a pass over the rays
         ->Unit(benchmark::kMillisecond);
   }
   benchmark::RunSpecifiedBenchmarks();
