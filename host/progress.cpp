@@ -36,7 +36,7 @@ Progress::Progress(ProgressStyle style, uint64_t pixels_total) : style_(style), 
 
 bool Progress::is_time(double now_s) {
   const double interval = style_ == ProgressStyle::tty ? kTtyInterval_s : kPlainInterval_s;
-  if (now_s - std::max(shown_s_, 0.0) < interval) return false;
+  if (now_s - shown_s_ < interval) return false;
   shown_s_ = now_s;
   return true;
 }

@@ -25,7 +25,7 @@ class Progress {
 
   ProgressStyle style_;
   uint64_t pixels_total_;
-  double shown_s_ = -1;
+  double shown_s_ = 0;
   bool line_is_open_ = false;
 };
 

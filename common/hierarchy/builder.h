@@ -12,7 +12,7 @@
 
 namespace rayfarm {
 
-/// What the builder asks about the primitives of one part. Asked from several threads at once.
+/// What the builder asks about the primitives of one part.
 class PrimitiveSource {
  public:
   virtual ~PrimitiveSource() = default;

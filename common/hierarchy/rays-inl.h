@@ -47,12 +47,14 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
 
 /// The least magnitude that a direction's component counts with. A direction that is nearly parallel to a
 /// plane acts as one that meets it, but far behind all else: boxes are never thinner than their margin.
+constexpr double kLeastComponent = 1e-20;
+constexpr double kShort = 1e-3,
+                 kLeastOfShort = 1e-18;  // relative, where the largest component is below kShort
 inline double least_component(double largest) {
-  return HWY_UNLIKELY(largest < 1e-3) ? 1e-18 * largest : 1e-20;
+  return HWY_UNLIKELY(largest < kShort) ? kLeastOfShort * largest : kLeastComponent;
 }
 
 using WideTag = hn::CappedTag<double, 4>;
-using NarrowTag = hn::Rebind<float, WideTag>;
 
 /// What the box test needs to know of a ray, or of a packet of them: distances to near and far planes are
 /// plane × inverse + bias, bounded from below and above. The fourth elements are padding.
@@ -68,6 +70,14 @@ struct PrimitiveRay {
   uint32_t kx, ky, kz;
   double shear_x, shear_y, shear_z;
 
+  HWY_INLINE void set(const Vec3& o, const Vec3& d) {
+    origin = {o.x, o.y, o.z, 0};
+    direction = {d.x, d.y, d.z, 0};
+  }
+  /// The same ray in the space of an instance.
+  HWY_INLINE void set_in_object(const PrimitiveRay& world, const Affine& object_from_world) {
+    set(object_from_world.point(world.origin_vector()), object_from_world.vector(world.direction_vector()));
+  }
   Vec3 origin_vector() const { return {origin[0], origin[1], origin[2]}; }
   Vec3 direction_vector() const { return {direction[0], direction[1], direction[2]}; }
   HWY_INLINE void set_axes(uint32_t largest_axis) {
@@ -76,6 +86,23 @@ struct PrimitiveRay {
     ky = 0x102u >> (4 * kz) & 3;  // (kz + 2) mod 3
   }
 };
+
+/// What boxes need of one axis, for as many rays or axes as a vector has lanes. Returns the inverse
+/// direction.
+template <class D>
+HWY_INLINE hn::Vec<D> prepare_axis(D d, hn::Vec<D> origin, hn::Vec<D> direction, hn::Vec<D> least,
+                                   float* HWY_RESTRICT near_inverse, float* HWY_RESTRICT near_bias,
+                                   float* HWY_RESTRICT far_inverse, float* HWY_RESTRICT far_bias) {
+  const hn::Rebind<float, D> narrow;
+  const auto inverse = hn::Div(hn::Set(d, 1.0), hn::CopySign(hn::Max(hn::Abs(direction), least), direction));
+  const auto bias = hn::Neg(hn::Mul(origin, inverse));
+  const auto slack = hn::Mul(hn::Abs(bias), hn::Set(d, kSlack));
+  hn::Store(hn::DemoteTo(narrow, inverse), narrow, near_inverse);
+  hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, near_bias);
+  hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(d, kWiden))), narrow, far_inverse);
+  hn::Store(hn::DemoteTo(narrow, hn::Add(bias, hn::Add(slack, slack))), narrow, far_bias);
+  return inverse;
+}
 
 /// A ray in one space, prepared for box and primitive tests.
 struct PreparedRay : BoxRay, PrimitiveRay {
@@ -94,10 +121,7 @@ struct PreparedRay : BoxRay, PrimitiveRay {
   HWY_INLINE explicit PreparedRay(const PrimitiveRay& ray) : PrimitiveRay(ray) { prepare(); }
   /// The same ray in the space of an instance.
   HWY_INLINE PreparedRay(const PrimitiveRay& world, const Affine& object_from_world) {
-    const Vec3 o = object_from_world.point(world.origin_vector());
-    const Vec3 d = object_from_world.vector(world.direction_vector());
-    origin = {o.x, o.y, o.z, 0};
-    direction = {d.x, d.y, d.z, 0};
+    set_in_object(world, object_from_world);
     prepare();
   }
 
@@ -108,21 +132,14 @@ struct PreparedRay : BoxRay, PrimitiveRay {
     const auto y_over_x = static_cast<uint32_t>(y > x), z_over_all = static_cast<uint32_t>(z >= largest_xy);
     set_axes(y_over_x + (2 - y_over_x) * z_over_all);  // no branch: no one could predict it
     const WideTag wide;
-    const NarrowTag narrow;
     HWY_ALIGN double inverses[4];
     const auto least = hn::Set(wide, least_component(largest));
     backward = 0;
     for (size_t i = 0; i < 4; i += hn::Lanes(wide)) {
-      const auto component = hn::Load(wide, &direction[i]);
       const auto inverse =
-          hn::Div(hn::Set(wide, 1.0), hn::CopySign(hn::Max(hn::Abs(component), least), component));
-      const auto bias = hn::Neg(hn::Mul(hn::Load(wide, &origin[i]), inverse));
-      const auto slack = hn::Mul(hn::Abs(bias), hn::Set(wide, kSlack));
+          prepare_axis(wide, hn::Load(wide, &origin[i]), hn::Load(wide, &direction[i]), least,
+                       &near_inverse[i], &near_bias[i], &far_inverse[i], &far_bias[i]);
       hn::Store(inverse, wide, inverses + i);
-      hn::Store(hn::DemoteTo(narrow, inverse), narrow, &near_inverse[i]);
-      hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(wide, kWiden))), narrow, &far_inverse[i]);
-      hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, &near_bias[i]);
-      hn::Store(hn::DemoteTo(narrow, hn::Add(bias, hn::Add(slack, slack))), narrow, &far_bias[i]);
       backward |= bits_of(wide, hn::Lt(inverse, hn::Zero(wide))) << i;  // of the inverse: -0 is negative too
     }
     backward &= 7;
@@ -194,8 +211,9 @@ class Packet {
  public:
   using Lanes = std::array<float, kPacketRays>;
 
-  /// False if the rays are no packet: one alone, or of different signs. Then nothing else here holds.
-  HWY_INLINE bool join(std::span<const PrimitiveRay> rays) {
+  /// Sets what primitive tests need of the rays, beside origin and direction, and the packet's own data.
+  /// False if the rays are no packet: one alone, or of different signs. Then nothing is set.
+  HWY_INLINE bool join(std::span<PrimitiveRay> rays) {
     if (rays.size() < 2) return false;
     HWY_ALIGN double origins[3][kPacketRays], directions[3][kPacketRays];
     for (size_t axis = 0; axis < 3; ++axis)
@@ -204,16 +222,14 @@ class Packet {
         origins[axis][i] = ray.origin[axis];
         directions[axis][i] = ray.direction[axis];
       }
-    return set_bounds(origins, directions) && prepare_lanes(origins, directions);
-  }
-  /// Fills in what primitive tests need of the rays, beside origin and direction.
-  HWY_INLINE void prepare(std::span<PrimitiveRay> rays) const {
+    if (!set_bounds(origins, directions) || !prepare_lanes(origins, directions)) return false;
     for (size_t i = 0; i < rays.size(); ++i) {
       rays[i].set_axes(z_over_all_ >> i & 1 ? 2 : y_over_x_ >> i & 1);
       rays[i].shear_x = shear_[0][i];
       rays[i].shear_y = shear_[1][i];
       rays[i].shear_z = shear_[2][i];
     }
+    return true;
   }
 
   const BoxRay& bounds() const { return bounds_; }
@@ -287,7 +303,6 @@ class Packet {
   /// of their components differ.
   HWY_INLINE bool prepare_lanes(Columns origins, Columns directions) {
     const Tag d;
-    const hn::Rebind<float, Tag> narrow;
     z_over_all_ = y_over_x_ = 0;
     std::array<uint32_t, 3> backward{};
     for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
@@ -296,23 +311,17 @@ class Packet {
       const auto largest_xy = hn::Max(hn::Abs(x), hn::Abs(y));
       const auto y_over_x = hn::Gt(hn::Abs(y), hn::Abs(x)), z_over_all = hn::Ge(hn::Abs(z), largest_xy);
       const auto largest = hn::Max(largest_xy, hn::Abs(z));
-      const auto least = hn::IfThenElse(hn::Lt(largest, hn::Set(d, 1e-3)),
-                                        hn::Mul(hn::Set(d, 1e-18), largest), hn::Set(d, 1e-20));
-      const auto prepare_axis = [&](size_t axis, hn::Vec<Tag> component) HWY_ATTR {
+      const auto least =
+          hn::IfThenElse(hn::Lt(largest, hn::Set(d, kShort)), hn::Mul(hn::Set(d, kLeastOfShort), largest),
+                         hn::Set(d, kLeastComponent));
+      const auto inverse_of = [&](size_t axis, hn::Vec<Tag> component) HWY_ATTR {
         const auto inverse =
-            hn::Div(hn::Set(d, 1.0), hn::CopySign(hn::Max(hn::Abs(component), least), component));
-        const auto bias = hn::Neg(hn::Mul(hn::Load(d, &origins[axis][lane]), inverse));
-        const auto slack = hn::Mul(hn::Abs(bias), hn::Set(d, kSlack));
-        hn::Store(hn::DemoteTo(narrow, inverse), narrow, &near_inverse_[axis][lane]);
-        hn::Store(hn::DemoteTo(narrow, hn::Mul(inverse, hn::Set(d, kWiden))), narrow,
-                  &far_inverse_[axis][lane]);
-        hn::Store(hn::DemoteTo(narrow, hn::Sub(bias, slack)), narrow, &near_bias_[axis][lane]);
-        hn::Store(hn::DemoteTo(narrow, hn::Add(bias, hn::Add(slack, slack))), narrow, &far_bias_[axis][lane]);
+            prepare_axis(d, hn::Load(d, &origins[axis][lane]), component, least, &near_inverse_[axis][lane],
+                         &near_bias_[axis][lane], &far_inverse_[axis][lane], &far_bias_[axis][lane]);
         backward[axis] |= bits_of(d, hn::Lt(inverse, hn::Zero(d))) << lane;
         return inverse;
       };
-      const auto inverse_x = prepare_axis(0, x), inverse_y = prepare_axis(1, y),
-                 inverse_z = prepare_axis(2, z);
+      const auto inverse_x = inverse_of(0, x), inverse_y = inverse_of(1, y), inverse_z = inverse_of(2, z);
       const auto by_axis = [&](hn::Vec<Tag> if_x, hn::Vec<Tag> if_y, hn::Vec<Tag> if_z) HWY_ATTR {
         return hn::IfThenElse(z_over_all, if_z, hn::IfThenElse(y_over_x, if_y, if_x));
       };

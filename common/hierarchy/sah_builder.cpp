@@ -5,6 +5,7 @@
 #include <cmath>
 #include <future>
 #include <memory>
+#include <optional>
 #include <queue>
 #include <thread>
 
@@ -235,7 +236,7 @@ class SahBuilder {
     BinaryNode& node = binary_[index];
     // A box without area, all on a line, must cost something too.
     const float area = node.bounds.area() + std::numeric_limits<float>::min();
-    const float leaf_cost = area * std::ceil(static_cast<float>(node.count) / kSlots);
+    const float leaf_cost = area * work(node.count);
     if (node.left_count == 0) {
       node.is_leaf = true;
       node.cost.fill(leaf_cost);
@@ -340,8 +341,8 @@ class Splitter {
     const auto consider = [&](uint32_t reference) {
       // A split can't gain more than the box has.
       if (references_[reference].box().area() < least_gain) return;
-      const Candidate candidate = try_split(reference);
-      if (candidate.gain >= least_gain) queue.push(candidate);
+      const std::optional<Candidate> candidate = try_split(reference);
+      if (candidate && candidate->gain >= least_gain) queue.push(*candidate);
     };
     for (uint32_t i = 0; i < references_.size(); ++i) consider(i);
     const size_t most =
@@ -362,33 +363,35 @@ class Splitter {
   static constexpr double kMostGrowth = 0.2;  ///< in references
 
   struct Candidate {
-    double gain = 0;  ///< of surface area
-    uint32_t reference = 0;
+    double gain;  ///< of surface area
+    uint32_t reference;
     Box low, high;
     bool operator<(const Candidate& other) const {
       return gain != other.gain ? gain < other.gain : reference > other.reference;
     }
   };
 
-  Candidate try_split(uint32_t reference) const {
+  /// Nothing if no plane divides the primitive.
+  std::optional<Candidate> try_split(uint32_t reference) const {
     const Box box = references_[reference].box();
     const Vec3 extent = box.extent();
     const int axis = extent.x > extent.y ? (extent.x > extent.z ? 0 : 2) : (extent.y > extent.z ? 1 : 2);
+    if (!(extent[axis] > 0)) return std::nullopt;
     // The first plane of the repeated halving that separates the box's ends.
     const double scale = 0x1p30 / (whole_.hi[axis] - whole_.lo[axis]);
     const auto low_cell = static_cast<uint32_t>((box.lo[axis] - whole_.lo[axis]) * scale);
     const auto high_cell = static_cast<uint32_t>((box.hi[axis] - whole_.lo[axis]) * scale);
-    if (low_cell == high_cell) return {};
+    if (low_cell == high_cell) return std::nullopt;
     const uint32_t plane_cell = high_cell & ~((std::bit_floor(low_cell ^ high_cell)) - 1);
     const double plane = whole_.lo[axis] + plane_cell / scale;
-    if (!(plane > box.lo[axis] && plane < box.hi[axis])) return {};
+    if (!(plane > box.lo[axis] && plane < box.hi[axis])) return std::nullopt;
     Box low = box, high = box;
     low.hi[axis] = high.lo[axis] = plane;
     const uint32_t primitive = references_[reference].primitive;
     low = intersection(low, source_.clipped(primitive, low));
     high = intersection(high, source_.clipped(primitive, high));
-    if (low.is_empty() || high.is_empty()) return {};
-    return {box.area() - low.area() - high.area(), reference, low, high};
+    if (low.is_empty() || high.is_empty()) return std::nullopt;
+    return Candidate{box.area() - low.area() - high.area(), reference, low, high};
   }
 
   std::vector<PrimitiveReference>& references_;

@@ -55,6 +55,13 @@ struct Bundle {
   std::array<PrimitiveRay, kPacketRays> rays;
   std::array<Search*, kPacketRays> searches;
   size_t count = 0;
+
+  /// The new ray, to be set.
+  PrimitiveRay& add(Search* search) {
+    searches[count] = search;
+    return rays[count++];
+  }
+  std::span<PrimitiveRay> span() { return std::span(rays).first(count); }
 };
 
 /// A packet's walk through the hierarchy.
@@ -267,15 +274,10 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
     for (uint32_t rest = rays; rest; rest &= rest - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(rest));
       if (world.searches[i]->is_over()) continue;
-      const Vec3 o = place.object_from_world.point(world.rays[i].origin_vector());
-      const Vec3 d = place.object_from_world.vector(world.rays[i].direction_vector());
-      local.rays[local.count].origin = {o.x, o.y, o.z, 0};
-      local.rays[local.count].direction = {d.x, d.y, d.z, 0};
-      local.searches[local.count++] = world.searches[i];
+      local.add(world.searches[i]).set_in_object(world.rays[i], place.object_from_world);
     }
     Packet packet;
-    if (packet.join(std::span(local.rays).first(local.count))) {
-      packet.prepare(std::span(local.rays).first(local.count));
+    if (packet.join(local.span())) {
       PacketWalker<Search> walker(packet, local);
       walk_part(scene, instance, walker);
       continue;
@@ -292,19 +294,12 @@ template <typename Search>
 HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays,
                                   Search* searches) {
   Bundle<Search> bundle(scene);
-  bundle.count = rays.size();
-  for (size_t i = 0; i < rays.size(); ++i) {
-    const Vec3 &o = rays[i].origin, &d = rays[i].direction;
-    bundle.rays[i].origin = {o.x, o.y, o.z, 0};
-    bundle.rays[i].direction = {d.x, d.y, d.z, 0};
-    bundle.searches[i] = &searches[i];
-  }
+  for (size_t i = 0; i < rays.size(); ++i) bundle.add(&searches[i]).set(rays[i].origin, rays[i].direction);
   Packet packet;
-  if (!packet.join(std::span(bundle.rays).first(rays.size()))) {
+  if (!packet.join(bundle.span())) {
     for (size_t i = 0; i < rays.size(); ++i) search_for_one(scene, pose, PreparedRay(rays[i]), searches[i]);
     return;
   }
-  packet.prepare(std::span(bundle.rays).first(rays.size()));
   PacketWalker<Search> walker(packet, bundle);
   walk_scene(scene, pose, walker, [&](const ChildRef& leaf, uint32_t leaf_rays) HWY_ATTR {
     walk_instances(scene, pose, leaf, bundle, packet, leaf_rays & walker.active());
@@ -349,10 +344,10 @@ Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ra
   Hit hit;
   hit.t = ray.t_max;
   ClosestHit search(scene, hit);
+  const PreparedRay world(ray);
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Part& part = scene.parts[scene.instances[i].part];
     const Affine& inverse = pose.instances[i].object_from_world;
-    const PreparedRay world(ray);
     const PreparedRay local = pose.instances[i].is_identity ? world : PreparedRay(world, inverse);
     search.test_leaf(make_child(ChildKind::triangles, part.first_triangle_block, part.triangle_block_count),
                      local, i);

@@ -49,35 +49,43 @@ class LightingTree {
     Color diffuse, specular;
   };
 
+  /// A surface that faces a light.
+  struct Facing {
+    Shaded* shaded;
+    Vec3 to_light;
+    double cosine_times_distance;
+  };
+
   /// Diffuse and specular terms with a shadow ray to each light in front of the surface.
   void add_direct_light(std::span<Shaded> shaded) {
     for (const LightRecord& light : scene_.lights) {
       OfPacket<Ray> rays;
-      OfPacket<Shaded*> facing;
+      OfPacket<Facing> facing;
       for (Shaded& s : shaded) {
         const Vec3 to_light = light.position - s.surface.p;
-        if (!(glm::dot(s.surface.shading_normal, to_light) > 0)) continue;
+        const double cosine_times_distance = glm::dot(s.surface.shading_normal, to_light);
+        if (!(cosine_times_distance > 0)) continue;
         const Vec3 origin = s.surface.ray_origin(to_light);
         rays.push_back({origin, light.position - origin, 1});
-        facing.push_back(&s);
+        facing.push_back({&s, to_light, cosine_times_distance});
       }
       if (rays.empty()) continue;
       counts_.shadow += rays.size();
       const uint32_t blocked = any_hits(scene_, pose_, rays.span());
       for (size_t i = 0; i < facing.size(); ++i)
-        if (!(blocked >> i & 1)) add_light(*facing[i], light);
+        if (!(blocked >> i & 1)) add_light(facing[i], light);
     }
     for (Shaded& s : shaded) *s.color = s.material->color * s.diffuse + s.specular;
   }
 
-  static void add_light(Shaded& s, const LightRecord& light) {
-    const Vec3& n = s.surface.shading_normal;
-    const Vec3 to_light = light.position - s.surface.p;
-    const double distance = glm::length(to_light);
-    s.diffuse += (s.material->diffuse * (glm::dot(n, to_light) / distance)) * light.color;
+  static void add_light(const Facing& facing, const LightRecord& light) {
+    Shaded& s = *facing.shaded;
+    const double distance = glm::length(facing.to_light);
+    s.diffuse += (s.material->diffuse * (facing.cosine_times_distance / distance)) * light.color;
     if (!(s.material->specular > 0)) return;
+    const Vec3& n = s.surface.shading_normal;
     const Vec3 reflected = s.direction - 2 * glm::dot(s.direction, n) * n;
-    const double cosine = glm::dot(reflected, to_light) / distance;
+    const double cosine = glm::dot(reflected, facing.to_light) / distance;
     if (cosine > 0)
       s.specular += (s.material->specular * portable_pow(cosine, s.material->shininess)) * light.color;
   }
@@ -148,7 +156,8 @@ class LightingTree {
 void trace_eye_rays(const Scene& scene, const Pose& pose, const RenderSettings& settings,
                     std::span<const Ray> rays, RayCounts& counts, Color* colors) {
   counts.primary += rays.size();
-  constexpr std::array<double, kMostPacketRays> whole{1, 1, 1, 1, 1, 1, 1, 1};
+  std::array<double, kMostPacketRays> whole;
+  whole.fill(1);
   LightingTree(scene, pose, settings, counts).trace(rays, std::span(whole).first(rays.size()), 1, colors);
 }
 

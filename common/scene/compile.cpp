@@ -346,14 +346,14 @@ class Compiler {
     part.sphere_block_count = static_cast<uint32_t>(arrays_.sphere_blocks.size()) - part.first_sphere_block;
     part.leaf_primitive_count =
         static_cast<uint32_t>(arrays_.leaf_primitives.size()) - part.first_leaf_primitive;
+    const std::array<uint32_t*, 4> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
+                                          &part.quadric_count};  // in the order of PrimitiveKind
     PrimitiveId previous = kNoPrimitive;
     for (uint32_t i = 0; i < primitives.ids.size(); ++i) {
       part.bounds.grow(source.bounds(i));
       const PrimitiveId id = primitives.ids[i];
       if (id == previous) continue;  // another triangle of the same polygon
       previous = id;
-      std::array<uint32_t*, 4> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
-                                      &part.quadric_count};  // in the order of PrimitiveKind
       ++*counts[static_cast<size_t>(id.kind())];
     }
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());

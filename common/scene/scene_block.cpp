@@ -49,6 +49,12 @@ bool range_fits(uint64_t first, uint64_t count, size_t size) {
   return first <= size && count <= size - first;
 }
 
+bool exists(const Scene& s, PrimitiveId id, PrimitiveKind kind) {
+  const std::array<size_t, 4> counts{s.triangle_shading.size(), s.spheres.size(), s.polygons.size(),
+                                     s.quadrics.size()};  // in the order of PrimitiveKind
+  return id.kind() == kind && id.index() < counts[static_cast<size_t>(kind)];
+}
+
 void check_child(const Scene& s, const ChildRef& child, size_t node_count, size_t parent) {
   switch (child.kind()) {
     case ChildKind::empty:
@@ -124,21 +130,15 @@ void check_indices(const Scene& s) {
     require(i.object_node < s.object_nodes.size() && i.part < s.parts.size(), "an instance");
   for (const uint32_t i : s.leaf_instances) require(i < s.instances.size(), "a leaf's instance");
   for (const TriangleBlock& block : s.triangle_blocks)
-    for (const PrimitiveId p : block.primitives) {
-      const bool is_polygon = p.kind() == PrimitiveKind::polygon;
-      const bool is_triangle = p.kind() == PrimitiveKind::triangle;
-      require(p == kNoPrimitive || (is_triangle && p.index() < s.triangle_shading.size()) ||
-                  (is_polygon && p.index() < s.polygons.size()),
-              "a triangle");
-    }
+    for (const PrimitiveId p : block.primitives)
+      require(
+          p == kNoPrimitive || exists(s, p, PrimitiveKind::triangle) || exists(s, p, PrimitiveKind::polygon),
+          "a triangle");
   for (const SphereBlock& block : s.sphere_blocks)
     for (const uint32_t i : block.spheres) require(i == kNone || i < s.spheres.size(), "a sphere");
-  for (const PrimitiveId p : s.leaf_primitives) {
-    const bool is_polygon = p.kind() == PrimitiveKind::polygon,
-               is_quadric = p.kind() == PrimitiveKind::quadric;
-    require((is_polygon && p.index() < s.polygons.size()) || (is_quadric && p.index() < s.quadrics.size()),
+  for (const PrimitiveId p : s.leaf_primitives)
+    require(exists(s, p, PrimitiveKind::polygon) || exists(s, p, PrimitiveKind::quadric),
             "a leaf's primitive");
-  }
   for (const TriangleShading& t : s.triangle_shading) {
     material(t.material);
     for (const uint32_t n : t.normals) require(n == kNone || n < s.normals.size(), "a triangle's normal");

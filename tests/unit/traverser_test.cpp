@@ -176,6 +176,24 @@ TEST(Traverser, ExtremeDataStayWithinTheStack) {
   compare_with_brute_force(equal, 1, 1000);
 }
 
+TEST(Traverser, SpecksOnALineAreFound) {
+  // Spheres so small that their boxes, and the whole scene's box, have no area.
+  SceneDescription scene;
+  scene.files = {"specks"};
+  scene.materials.push_back({.name = "default"});
+  scene.objects.push_back({"specks", {}, {}, {}});
+  for (int i = 0; i < 10; ++i) scene.objects[0].primitives.push_back({SphereShape{{i, 1, 1}, 1e-20}, 0, {}});
+  const CompiledScene compiled = compile(scene);
+  FramePose frame_pose(compiled.scene);
+  const Pose pose = frame_pose.at(0);
+  for (int i = 0; i < 10; ++i) {
+    const Ray ray{{i - 0.5, 1, 1}, {1, 0, 0}};
+    const Hit hit = closest_hit(compiled.scene, pose, ray);
+    EXPECT_TRUE(hit.is_hit()) << i;
+    expect_same(hit, closest_hit_brute_force(compiled.scene, pose, ray));
+  }
+}
+
 TEST(Traverser, AMeshTakesAtMost64BytesPerTriangle) {
   constexpr uint32_t kSide = 100;
   const CompiledScene compiled = compile(make_triangles(2 * kSide * kSide, [](uint32_t i, uint32_t k) {
