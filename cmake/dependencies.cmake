@@ -21,6 +21,8 @@ rayfarm_require(MPI_C "libopenmpi-dev openmpi-bin")
 find_package(Threads REQUIRED)
 find_package(OpenEXR QUIET CONFIG)
 rayfarm_require(OpenEXR libopenexr-dev)
+find_package(PNG QUIET)
+rayfarm_require(PNG libpng-dev)
 find_package(OpenImageIO QUIET CONFIG)
 rayfarm_require(OpenImageIO "libopenimageio-dev openimageio-tools")
 # Debian's package names OpenCV's headers, which it doesn't depend on and Rayfarm doesn't need.

@@ -8,7 +8,7 @@
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
-#include <OpenImageIO/imageio.h>
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <openssl/evp.h>
 #include <unistd.h>
@@ -17,6 +17,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "common/image/png_file.h"
 #include "common/scene/input_error.h"
 
 namespace rayfarm {
@@ -114,20 +115,19 @@ std::vector<std::byte> rgb8_of(const Image& image) {
   return bytes;
 }
 
-void write_png(const std::string& path, const Image& image,
-               const std::map<std::string, std::string>& attributes) {
-  const std::vector<std::byte> rgb = rgb8_of(image);
-  OIIO::ImageSpec spec(image.window.width(), image.window.height(), 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  for (const auto& [name, value] : attributes) spec.attribute(name, value);
-  auto out = OIIO::ImageOutput::create("png");
-  if (!out) throw IoError("no PNG writer: " + OIIO::geterror());
-  if (!out->open(path, spec) || !out->write_image(OIIO::TypeDesc::UINT8, rgb.data()) || !out->close())
-    throw IoError(out->geterror());
-  auto in = OIIO::ImageInput::open(path);
-  std::vector<std::byte> back(rgb.size());
-  if (!in || !in->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, back.data()) || back != rgb)
-    throw IoError("what was read back differs from what was written");
+/// OpenImageIO's module, which stands beside the executable or in ../lib, as its run path says.
+ReadImageFunction* load_reader() {
+  static ReadImageFunction* const reader = [] {
+    void* module = dlopen("rayfarm_image_formats.so", RTLD_NOW | RTLD_LOCAL);
+    void* symbol = module ? dlsym(module, kReadImageSymbol) : nullptr;
+    if (!symbol)
+      throw IoError(
+          fmt::format("OpenImageIO can't be loaded: {}; the file belongs beside the executable or in "
+                      "../lib, and libopenimageio must be installed (./deploy/setup does both)",
+                      dlerror()));
+    return reinterpret_cast<ReadImageFunction*>(symbol);
+  }();
+  return reader;
 }
 
 /// Forces the file to its disk, so that a full one shows here.
@@ -157,7 +157,7 @@ void write_image(const std::string& path, const Image& image,
       (target.parent_path() / fmt::format(".{}.{}.part", target.filename().string(), getpid())).string();
   try {
     if (extension_of(path) == ".png")
-      write_png(temporary, image, attributes);
+      write_png(temporary, image.window.width(), image.window.height(), rgb8_of(image), attributes);
     else
       write_exr(temporary, image, attributes);
     sync_file(temporary);
@@ -171,15 +171,9 @@ void write_image(const std::string& path, const Image& image,
 }
 
 ReadImage read_image(const std::string& path) {
-  auto in = OIIO::ImageInput::open(path);
-  if (!in) throw IoError(fmt::format("{}: can't be read: {}", path, OIIO::geterror()));
-  const OIIO::ImageSpec& spec = in->spec();
-  if (spec.nchannels < 3)
-    throw IoError(fmt::format("{}: has {} channels; red, green and blue are needed", path, spec.nchannels));
-  ReadImage image{spec.width, spec.height, {}};
-  image.pixels.resize(size_t{3} * static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height));
-  if (!in->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, image.pixels.data()))
-    throw IoError(fmt::format("{}: can't be read: {}", path, in->geterror()));
+  ReadImage image;
+  const std::string error = load_reader()(path, image);
+  if (!error.empty()) throw IoError(fmt::format("{}: can't be read: {}", path, error));
   return image;
 }
 

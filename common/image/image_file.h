@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/image/formats/image_formats.h"
 #include "common/scene/render_settings.h"
 
 namespace rayfarm {
@@ -28,10 +29,6 @@ void write_image(const std::string& path, const Image& image,
                  const std::map<std::string, std::string>& attributes);
 
 /// Reads any image as linear-or-not floats, height × width × 3, as the file holds them. Throws IoError.
-struct ReadImage {
-  int width_px = 0, height_px = 0;
-  std::vector<float> pixels;
-};
 ReadImage read_image(const std::string& path);
 
 /// SHA-256 of the bytes in hexadecimal.
