@@ -7,11 +7,15 @@
 #include <filesystem>
 #include <sstream>
 
+#include "common/sampling/sampler.h"
 #include "host/exit_code.h"
 #include "host/output_pattern.h"
 
 namespace rayfarm {
 namespace {
+
+/// Roulette ends nearly all paths long before.
+constexpr uint32_t kPathDepth = 100;
 
 template <size_t N>
 std::array<int, N> parse_numbers(const std::string& text, char separator, const std::string& form) {
@@ -76,18 +80,47 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
           "render only these pixels; x1 and y1 are excluded")
       ->type_name("x0,x1,y0,y1");
   add_choice<LightingModel>(render, "--lighting", o.settings.lighting,
-                            {{"phong", LightingModel::phong}, {"whitted", LightingModel::whitted}},
+                            {{"phong", LightingModel::phong},
+                             {"torrance-sparrow", LightingModel::torrance_sparrow},
+                             {"whitted", LightingModel::whitted},
+                             {"thesis", LightingModel::thesis},
+                             {"path", LightingModel::path}},
                             "lighting model (default: whitted)");
+  render
+      ->add_option("--diffuse-rays", o.settings.diffuse_rays,
+                   "thesis's model: diffuse rays at each hit (default: 1)")
+      ->check(CLI::Range(1u, 10000u));
+  render
+      ->add_option("--diffuse-reach", o.settings.diffuse_reach,
+                   "thesis's model: the length at which a diffuse ray has lost half of its strength to "
+                   "ambient light (default: 0, it loses none)")
+      ->check(CLI::Range(0.0, 1e15));
+  render
+      ->add_option(
+          "--diffuse-contrast", o.settings.diffuse_contrast,
+          "thesis's model: trace a ray between neighbours that differ by more in the pixel (default: "
+          "0, never)")
+      ->check(CLI::Range(0.0, 1e6));
   render->add_option("--samples,--spp", o.settings.samples, "rays per pixel (default: 1)")
       ->check(CLI::Range(1u, 1u << 20));
   add_choice<SamplingPattern>(render, "--sampling", o.settings.sampling,
-                              {{"regular", SamplingPattern::regular},
+                              {{"sobol", SamplingPattern::sobol},
+                               {"regular", SamplingPattern::regular},
                                {"jittered", SamplingPattern::jittered},
+                               {"uncorrelated", SamplingPattern::uncorrelated},
+                               {"n-rooks", SamplingPattern::n_rooks},
+                               {"poisson", SamplingPattern::poisson},
                                {"corners", SamplingPattern::corners}},
-                              "where rays pass through a pixel (default: regular)");
+                              "pattern of the samples (default: sobol)");
+  add_choice<FilterKind>(render, "--filter", o.settings.filter,
+                         {{"box", FilterKind::box},
+                          {"tent", FilterKind::tent},
+                          {"gaussian", FilterKind::gaussian},
+                          {"mitchell", FilterKind::mitchell}},
+                         "how a pixel weighs what is around its centre (default: box)");
   render
-      ->add_option("--max-depth", o.settings.max_depth,
-                   "depth of the lighting tree; the eye ray is 1 (default: 5)")
+      ->add_option("--max-depth", o.max_depth,
+                   "depth of the lighting tree; the eye ray is 1 (default: 5; path: 100)")
       ->check(CLI::Range(1u, 1000u));
   render
       ->add_option("--min-weight", o.settings.min_weight,
@@ -162,6 +195,11 @@ void check_render(const RenderOptions& o) {
     if (frames.size() > 1 && !has_frame_pattern(o.output))
       throw CLI::ValidationError(fmt::format("-o {}: several frames need #### in the file's name", o.output));
   }
+  if (o.settings.sampling == SamplingPattern::poisson && o.settings.samples > Sampler::kMostPoissonSamples)
+    throw CLI::ValidationError(fmt::format(
+        "--sampling poisson lays out at most {} samples; use sobol for more", Sampler::kMostPoissonSamples));
+  if (o.settings.sampling == SamplingPattern::corners && o.settings.filter != FilterKind::box)
+    throw CLI::ValidationError("--sampling corners weighs the four corners alike; leave --filter at box");
   if (o.settings.sampling == SamplingPattern::corners && o.settings.samples != 1)
     throw CLI::ValidationError("--sampling corners takes one ray per corner; leave --samples at 1");
   if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)
@@ -197,7 +235,12 @@ CommandLine parse_command_line(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     line.render.pixel_format = pixel_format;
-    if (line.kind == CommandKind::render) check_render(line.render);
+    if (line.kind == CommandKind::render) {
+      check_render(line.render);
+      RenderSettings& settings = line.render.settings;
+      settings.max_depth = line.render.max_depth.value_or(
+          settings.lighting == LightingModel::path ? kPathDepth : settings.max_depth);
+    }
   } catch (const CLI::ParseError& e) {
     std::ostringstream out, err;
     const int code = app.exit(e, out, err);

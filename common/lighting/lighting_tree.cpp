@@ -1,23 +1,46 @@
 #include "common/lighting/lighting_tree.h"
 
+#include <numbers>
+
+#include "common/lighting/light_sampling.h"
+#include "common/lighting/path_tracer.h"
+#include "common/lighting/torrance_sparrow.h"
+#include "common/materials/scattering.h"
 #include "common/math/inline_vector.h"
 #include "common/math/portable_math.h"
 
 namespace rayfarm {
 namespace {
 
+template <typename T>
+using OfPacket = InlineVector<T, kMostPacketRays>;
+
+/// Diffuse rays that are no farther apart than 60 degrees are neighbours.
+constexpr double kLeastNeighborCosine = 0.5;
+
+/// Where a ray stands in its lighting tree.
+struct Branch {
+  double weight = 1;  ///< the largest share that the ray's colour can have in its pixel
+  SampleId id;
+  uint32_t stream = 0;      ///< tells the branches of one sample apart, for their random numbers
+  bool is_diffuse = false;  ///< a diffuse ray of the thesis's model
+};
+
 /// Up to kMostPacketRays rays of one depth are followed together; what becomes of one does not depend on the
 /// others.
 class LightingTree {
  public:
-  LightingTree(const Scene& scene, const Pose& pose, const RenderSettings& settings, RayCounts& counts)
-      : scene_(scene), pose_(pose), settings_(settings), counts_(counts) {}
+  LightingTree(const FrameContext& context, RayCounts& counts)
+      : context_(context),
+        scene_(context.scene),
+        pose_(context.pose),
+        settings_(context.settings),
+        counts_(counts),
+        has_secondary_(settings_.lighting == LightingModel::whitted ||
+                       settings_.lighting == LightingModel::thesis) {}
 
-  template <typename T>
-  using OfPacket = InlineVector<T, kMostPacketRays>;
-
-  /// `weights`: the largest share that each ray's colour can have in its pixel. Sets `colors`, one per ray.
-  void trace(std::span<const Ray> rays, std::span<const double> weights, uint32_t depth, Color* colors) {
+  /// Sets `colors`, one per ray.
+  void trace(std::span<const Ray> rays, std::span<const Branch> branches, uint32_t depth, Color* colors) {
     OfPacket<Hit> hits;
     hits.resize_for_overwrite(rays.size());
     closest_hits(scene_, pose_, rays, hits.data());
@@ -28,23 +51,32 @@ class LightingTree {
         continue;
       }
       const Surface surface = eval_surface(scene_, pose_, rays[i], hits[i]);
-      const MaterialRecord& material = scene_.materials[surface.material];
-      shaded.push_back({surface, &material, rays[i].direction, weights[i], &colors[i],
-                        material.ambient * scene_.head().ambient, Color(0)});
+      const Material& material = scene_.materials[surface.material];
+      const bool is_thesis = settings_.lighting == LightingModel::thesis;
+      // Rays stand in for ambient light in the thesis's model.
+      const Color ambient = is_thesis ? Color(0) : material.ambient * scene_.head().ambient;
+      shaded.push_back({surface, &material, rays[i].direction, branches[i], &colors[i], ambient, Color(0)});
+      if (is_luminaire(material)) add_emission(shaded[shaded.size() - 1], hits[i]);
+      if (branches[i].is_diffuse) shaded[shaded.size() - 1].branch.weight *= strength(hits[i].t);
     }
     if (shaded.empty()) return;
     add_direct_light(shaded.span());
-    if (settings_.lighting == LightingModel::whitted && depth < settings_.max_depth)
-      add_secondary_light(shaded.span(), depth);
+    if (has_secondary_ && depth < settings_.max_depth) add_secondary_light(shaded.span(), depth);
+    if (settings_.diffuse_reach > 0)
+      for (size_t i = 0; i < rays.size(); ++i)
+        if (branches[i].is_diffuse) {
+          const double s = hits[i].is_hit() ? strength(hits[i].t) : 0;
+          colors[i] = s * colors[i] + (1 - s) * scene_.head().ambient;
+        }
   }
 
  private:
   /// A ray that has hit something.
   struct Shaded {
     Surface surface;
-    const MaterialRecord* material;
+    const Material* material;
     Vec3 direction;
-    double weight;
+    Branch branch;
     Color* color;
     Color diffuse, specular;
   };
@@ -54,55 +86,92 @@ class LightingTree {
     Shaded* shaded;
     Vec3 to_light;
     double cosine_times_distance;
+    Color light;  ///< what a white surface that faces the light shows
   };
+
+  /// How much of its light a diffuse ray of this length brings (thesis 3.2).
+  double strength(double distance) const {
+    if (!(settings_.diffuse_reach > 0)) return 1;
+    const double ratio = distance / settings_.diffuse_reach;
+    return 1 / (1 + ratio * ratio);
+  }
+
+  /// A primary source that shadow rays are sent to must not be counted again when a diffuse ray meets it.
+  void add_emission(Shaded& s, const Hit& hit) const {
+    if (s.branch.is_diffuse && find_luminaire(scene_, hit.instance, hit.primitive) != kNone) return;
+    s.specular += emitted(*s.material, {-s.direction, s.surface.shading_normal, s.surface.is_front, 1});
+  }
 
   /// Diffuse and specular terms with a shadow ray to each light in front of the surface.
   void add_direct_light(std::span<Shaded> shaded) {
-    for (const LightRecord& light : scene_.lights) {
+    for (uint32_t i = 0; i < scene_.lights.size(); ++i) {
+      const Light& light = scene_.lights[i];
       OfPacket<Ray> rays;
       OfPacket<Facing> facing;
       for (Shaded& s : shaded) {
-        const Vec3 to_light = light.position - s.surface.p;
-        const double cosine_times_distance = glm::dot(s.surface.shading_normal, to_light);
-        if (!(cosine_times_distance > 0)) continue;
-        const Vec3 origin = s.surface.ray_origin(to_light);
-        rays.push_back({origin, light.position - origin, 1});
-        facing.push_back({&s, to_light, cosine_times_distance});
+        Vec3 target = light.position;
+        Facing f{&s, target - s.surface.p, 0, light.color};
+        if (light.kind != LightKind::point) {
+          const LightSample sample = sample_light(scene_, pose_, light, s.surface.p, light_point(s, i));
+          target = sample.target;
+          f.to_light = sample.to_light;
+          f.light = sample.incident / std::numbers::pi;
+        }
+        f.cosine_times_distance = glm::dot(s.surface.shading_normal, f.to_light);
+        if (!(f.cosine_times_distance > 0)) continue;
+        const Vec3 origin = s.surface.ray_origin(f.to_light);
+        rays.push_back({origin, target - origin, 1});
+        facing.push_back(f);
       }
       if (rays.empty()) continue;
       counts_.shadow += rays.size();
       const uint32_t blocked = any_hits(scene_, pose_, rays.span());
-      for (size_t i = 0; i < facing.size(); ++i)
-        if (!(blocked >> i & 1)) add_light(facing[i], light);
+      for (size_t k = 0; k < facing.size(); ++k)
+        if (!(blocked >> k & 1)) add_light(facing[k]);
     }
     for (Shaded& s : shaded) *s.color = s.material->color * s.diffuse + s.specular;
   }
 
-  static void add_light(const Facing& facing, const LightRecord& light) {
+  Vec2 light_point(const Shaded& s, uint32_t light) const {
+    if (!has_extent(scene_.lights[light])) return Vec2(0);
+    const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{s.branch.stream} << 32 | light));
+    return context_.sampler.point(s.branch.id, stream << 8 | dimension::kLightPoint);
+  }
+
+  void add_light(const Facing& facing) const {
     Shaded& s = *facing.shaded;
     const double distance = glm::length(facing.to_light);
-    s.diffuse += (s.material->diffuse * (facing.cosine_times_distance / distance)) * light.color;
+    s.diffuse += (s.material->diffuse * (facing.cosine_times_distance / distance)) * facing.light;
     if (!(s.material->specular > 0)) return;
     const Vec3& n = s.surface.shading_normal;
+    if (settings_.lighting == LightingModel::torrance_sparrow) {
+      s.specular += facet_highlight(*s.material, n, facing.to_light / distance, -s.direction) * facing.light;
+      return;
+    }
     const Vec3 reflected = s.direction - 2 * glm::dot(s.direction, n) * n;
     const double cosine = glm::dot(reflected, facing.to_light) / distance;
     if (cosine > 0)
-      s.specular += (s.material->specular * portable_pow(cosine, s.material->shininess)) * light.color;
+      s.specular += (s.material->specular * portable_pow(cosine, s.material->shininess)) * facing.light;
   }
 
-  /// Rays that shaded surfaces spawn, with the share of its colour that each takes.
+  /// Rays that leave surfaces, each with the weight of its colour there.
   struct Branches {
     OfPacket<Ray> rays;
-    OfPacket<double> weights, shares;
+    OfPacket<Branch> branches;
+    OfPacket<Color> shares;
     OfPacket<Color*> parents;
-
-    void add(const Shaded& parent, const Vec3& direction, double share) {
+    void add(const Shaded& parent, const Vec3& direction, const Color& share, uint32_t child) {
       rays.push_back({parent.surface.ray_origin(direction), direction});
-      weights.push_back(parent.weight * share);
+      Branch branch = parent.branch;
+      branch.weight *= max_component(share);
+      branch.stream = static_cast<uint32_t>(mix_bits(uint64_t{branch.stream} << 32 | child));
+      branch.is_diffuse = false;
+      branches.push_back(branch);
       shares.push_back(share);
       parents.push_back(parent.color);
     }
   };
+  enum Child : uint32_t { kTransmitted = 1, kReflected, kFirstDiffuse };
 
   /// Reflected and transmitted terms. A surface that transmits also spawns a reflected ray, even one of
   /// weight 0 if there is no cut-off: that is how published ray counts were made. Total internal reflection
@@ -110,12 +179,10 @@ class LightingTree {
   void add_secondary_light(std::span<const Shaded> shaded, uint32_t depth) {
     Branches transmitted, reflected;
     for (const Shaded& s : shaded) {
-      const MaterialRecord& material = *s.material;
+      const Material& material = *s.material;
+      if (settings_.lighting == LightingModel::thesis && material.diffuse > 0) add_diffuse_light(s, depth);
       if (!(material.reflect > 0 || material.transmit > 0)) continue;
-      // A shading normal that faces away, at a silhouette, has no mirror direction: the surface's own normal
-      // has.
-      Vec3 n = s.surface.shading_normal;
-      if (!(glm::dot(s.direction, n) < 0)) n = s.surface.geometric_normal;
+      const Vec3 n = facing_normal(s);
       const double cosine = -glm::dot(s.direction, n);
       double reflect = material.reflect;
       if (material.transmit > 0) {
@@ -124,12 +191,12 @@ class LightingTree {
         const double k = 1 - eta * eta * (1 - cosine * cosine);
         if (k < 0)
           reflect += material.transmit;
-        else if (s.weight * material.transmit >= settings_.min_weight)
+        else if (s.branch.weight * material.transmit >= settings_.min_weight)
           transmitted.add(s, normalized(eta * s.direction + (eta * cosine - std::sqrt(k)) * n),
-                          material.transmit);
+                          Color(material.transmit), kTransmitted);
       }
-      if (s.weight * reflect >= settings_.min_weight)
-        reflected.add(s, normalized(s.direction + 2 * cosine * n), reflect);
+      if (s.branch.weight * reflect >= settings_.min_weight)
+        reflected.add(s, normalized(s.direction + 2 * cosine * n), Color(reflect), kReflected);
     }
     counts_.transmitted += transmitted.rays.size();
     follow(transmitted, depth);
@@ -137,28 +204,100 @@ class LightingTree {
     follow(reflected, depth);
   }
 
+  /// A shading normal that faces away, at a silhouette, has no mirror direction: the surface's own normal
+  /// has.
+  static Vec3 facing_normal(const Shaded& s) {
+    return glm::dot(s.direction, s.surface.shading_normal) < 0 ? s.surface.shading_normal
+                                                               : s.surface.geometric_normal;
+  }
+
   void follow(const Branches& branches, uint32_t depth) {
     if (branches.rays.empty()) return;
     OfPacket<Color> colors;
     colors.resize_for_overwrite(branches.rays.size());
-    trace(branches.rays.span(), branches.weights.span(), depth + 1, colors.data());
+    trace(branches.rays.span(), branches.branches.span(), depth + 1, colors.data());
     for (size_t i = 0; i < colors.size(); ++i) *branches.parents[i] += branches.shares[i] * colors[i];
   }
 
+  /// Light from secondary sources (Equation 3.6a, second term): this sample's part of the pixel's directions,
+  /// and one more between neighbours that differ (3.3).
+  void add_diffuse_light(const Shaded& s, uint32_t depth) {
+    const auto directions = context_.diffuse_directions.about_y();
+    const auto samples = FrameContext::samples_that_share_directions(settings_);
+    const Color share = (s.material->diffuse / settings_.diffuse_rays) * s.material->color;
+    if (!(s.branch.weight * max_component(share) >= settings_.min_weight) || max_component(share) == 0)
+      return;
+    // One turn for all samples of a pixel keeps the set together; each takes a part of it, in random order.
+    SampleId pixel = s.branch.id;
+    uint32_t sample = pixel.sample;
+    if (settings_.sampling == SamplingPattern::corners) {
+      sample = static_cast<uint32_t>((pixel.x & 1) + 2 * (pixel.y & 1));
+      pixel.x &= ~1;
+      pixel.y &= ~1;
+    }
+    pixel.sample = 0;
+    const auto r = random_pair(settings_.seed, context_.sampler.frame(), pixel,
+                               s.branch.stream << 8 | dimension::kPattern);
+    const double turn = 2 * std::numbers::pi * r[0];
+    const uint32_t part = permuted(sample, samples, static_cast<uint64_t>(r[1] * 0x1p53));
+
+    const auto direction_of = [&](uint32_t ray) {
+      return rotated_to(s.surface.shading_normal, directions[part + ray * samples], turn);
+    };
+    std::vector<Color> colors(settings_.diffuse_rays);
+    std::vector<Vec3> rays(settings_.diffuse_rays);
+    for (uint32_t i = 0; i < settings_.diffuse_rays; ++i) rays[i] = direction_of(i);
+    trace_diffuse(s, rays, share, kFirstDiffuse, depth, colors.data());
+    for (const Color& color : colors) *s.color += share * color;
+    if (!(settings_.diffuse_contrast > 0)) return;
+    for (uint32_t i = 0; i + 1 < settings_.diffuse_rays; ++i) {
+      if (!(glm::dot(rays[i], rays[i + 1]) > kLeastNeighborCosine)) continue;
+      if (!(s.branch.weight * max_magnitude(share * (colors[i] - colors[i + 1])) >
+            settings_.diffuse_contrast))
+        continue;
+      const Vec3 between = normalized(rays[i] + rays[i + 1]);
+      Color extra;
+      trace_diffuse(s, std::span(&between, 1), share, kFirstDiffuse + settings_.diffuse_rays + i, depth,
+                    &extra);
+      // (a + b) / 2, what the two see of the gap between them, becomes (a + 2 e + b) / 4.
+      *s.color += 0.25 * share * (2.0 * extra - colors[i] - colors[i + 1]);
+    }
+  }
+
+  void trace_diffuse(const Shaded& s, std::span<const Vec3> directions, const Color& share,
+                     uint32_t first_child, uint32_t depth, Color* colors) {
+    for (size_t begin = 0; begin < directions.size(); begin += kMostPacketRays) {
+      Branches branches;
+      const size_t end = std::min(begin + kMostPacketRays, directions.size());
+      for (size_t i = begin; i < end; ++i) {
+        branches.add(s, directions[i], share, first_child + static_cast<uint32_t>(i));
+        branches.branches[i - begin].is_diffuse = true;
+      }
+      counts_.diffuse += end - begin;
+      trace(branches.rays.span(), branches.branches.span(), depth + 1, colors + begin);
+    }
+  }
+
+  const FrameContext& context_;
   const Scene& scene_;
   const Pose& pose_;
   const RenderSettings& settings_;
   RayCounts& counts_;
+  bool has_secondary_;
 };
 
 }  // namespace
 
-void trace_eye_rays(const Scene& scene, const Pose& pose, const RenderSettings& settings,
-                    std::span<const Ray> rays, RayCounts& counts, Color* colors) {
+void trace_eye_rays(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+                    RayCounts& counts, Color* colors) {
   counts.primary += rays.size();
-  std::array<double, kMostPacketRays> whole;
-  whole.fill(1);
-  LightingTree(scene, pose, settings, counts).trace(rays, std::span(whole).first(rays.size()), 1, colors);
+  if (context.settings.lighting == LightingModel::path) {
+    trace_paths(context, rays, ids, counts, colors);
+    return;
+  }
+  OfPacket<Branch> branches;
+  for (const SampleId& id : ids) branches.push_back({.id = id});
+  LightingTree(context, counts).trace(rays, branches.span(), 1, colors);
 }
 
 }  // namespace rayfarm

@@ -1,7 +1,7 @@
 #include "common/lighting/render.h"
 
 #include "common/math/inline_vector.h"
-#include "common/sampling/pixel_sampler.h"
+#include "common/sampling/pixel_filter.h"
 
 namespace rayfarm {
 namespace {
@@ -36,6 +36,7 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
   result.pixels.resize(static_cast<size_t>(rect.area()) * stride);
   std::byte* out = result.pixels.data();
   Pulse pulse(callback);
+  const FrameContext context(scene, pose, settings, frame);
 
   if (settings.sampling == SamplingPattern::corners) {
     // Rays through the pixels' corners, shared by the four pixels around each (thesis 2.3.2). Two rows are
@@ -44,6 +45,7 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
     std::vector<Color> above(columns), below(columns);
     const auto trace_row = [&](int y, std::vector<Color>& row) {
       InlineVector<Ray, kMostPacketRays> rays;
+      InlineVector<SampleId, kMostPacketRays> ids;
       for (size_t i = 0; i < columns; ++i) {
         const int x = rect.x0 + static_cast<int>(i);
         // A corner belongs to the pixel below and right of it; the image's last corners to its last pixels.
@@ -51,12 +53,14 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
           return (column < rect.x1 || column == settings.crop.x1) && (y < rect.y1 || y == settings.crop.y1);
         };
         rays.push_back(camera.ray(x, y));
+        ids.push_back({x, y, 0});
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
         RayCounts repeated;
-        trace_eye_rays(scene, pose, settings, rays.span(), owns(x) ? result.counts : repeated,
+        trace_eye_rays(context, rays.span(), ids.span(), owns(x) ? result.counts : repeated,
                        &row[i + 1 - rays.size()]);
         pulse.count_rays(rays.size());
         rays.clear();
+        ids.clear();
       }
     };
     trace_row(rect.y0, above);
@@ -68,7 +72,7 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
     return result;
   }
 
-  const Strata strata = make_strata(settings.samples);
+  const PixelFilter filter(settings.filter);
   for (int y0 = rect.y0; y0 < rect.y1; y0 += kBlockHeight_px)
     for (int x0 = rect.x0; x0 < rect.x1; x0 += kBlockWidth_px) {
       const PixelRect block{x0, y0, std::min(x0 + kBlockWidth_px, rect.x1),
@@ -76,15 +80,18 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
       std::array<Color, kMostPacketRays> sums, colors;
       sums.fill(Color(0));
       for (uint32_t sample = 0; sample < settings.samples; ++sample) {
-        const Stratum stratum = stratum_of(strata, sample);
         InlineVector<Ray, kMostPacketRays> rays;
+        InlineVector<SampleId, kMostPacketRays> ids;
+        InlineVector<double, kMostPacketRays> weights;
         for (int y = block.y0; y < block.y1; ++y)
           for (int x = block.x0; x < block.x1; ++x) {
-            const Vec2 place = sample_place(settings, stratum, frame, x, y, sample);
-            rays.push_back(camera.ray(x + place.x, y + place.y));
+            const SampleId& id = ids.push_back({x, y, sample});
+            const PixelFilter::Place place = filter.sample(context.sampler.point(id, dimension::kScreen));
+            rays.push_back(camera.ray(x + 0.5 + place.offset.x, y + 0.5 + place.offset.y));
+            weights.push_back(place.weight);
           }
-        trace_eye_rays(scene, pose, settings, rays.span(), result.counts, colors.data());
-        for (size_t i = 0; i < rays.size(); ++i) sums[i] += colors[i];
+        trace_eye_rays(context, rays.span(), ids.span(), result.counts, colors.data());
+        for (size_t i = 0; i < rays.size(); ++i) sums[i] += weights[i] * colors[i];
         pulse.count_rays(rays.size());
       }
       const Color* sum = sums.data();

@@ -7,10 +7,6 @@
 namespace rayfarm {
 namespace {
 
-// Rounding leaves a hit within a few units in the last place (2^-52) of its surface, relative to the largest
-// number in the computation; 128 of them hold every case that the tests could provoke, at any scale.
-constexpr double kOffset = 0x1p-45;
-
 /// What a primitive tells in its object's space.
 struct LocalSurface {
   Vec3 geometric_normal{0}, shading_normal{0};  ///< unit
@@ -115,7 +111,7 @@ Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const
     surface.geometric_normal = normalized(place.object_from_world.normal_by_inverse(local.geometric_normal));
     surface.shading_normal = normalized(place.object_from_world.normal_by_inverse(local.shading_normal));
   }
-  surface.offset = kOffset * magnitude;
+  surface.offset = rounding_bound(magnitude);
   surface.material = local.material;
   if (glm::dot(surface.shading_normal, surface.geometric_normal) < 0)
     surface.shading_normal = -surface.shading_normal;

@@ -4,6 +4,12 @@
 
 namespace rayfarm {
 
+/// Rounding leaves a hit within a few units in the last place (2^-52) of its surface, relative to the largest
+/// number in the computation; 128 of them hold every case that the tests could provoke, at any scale.
+constexpr double rounding_bound(double magnitude) {
+  return 0x1p-45 * magnitude;
+}
+
 struct Surface {
   Vec3 p{0};                 ///< in the world
   Vec3 geometric_normal{0};  ///< unit, on the viewer's side

@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "common/hierarchy/pose.h"
 #include "common/hierarchy/structurer.h"
+#include "common/lighting/light_sampling.h"
+#include "common/materials/scattering.h"
 
 namespace rayfarm {
 namespace {
@@ -23,8 +26,10 @@ struct SceneArrays {
   std::vector<Vec4> quadric_planes;
   std::vector<TriangleShading> triangle_shading;
   std::vector<glm::vec3> normals;
-  std::vector<MaterialRecord> materials;
-  std::vector<LightRecord> lights;
+  std::vector<Material> materials;
+  std::vector<Light> lights;
+  std::vector<double> light_shares;
+  std::vector<Vec3> luminaire_vertices;
   std::vector<CurveRecord> curves;
   std::vector<double> key_frames;
   std::vector<Vec4> key_values;
@@ -37,10 +42,32 @@ struct SceneArrays {
   std::vector<InstancePose> poses;
 
   Scene view() const {
-    return {header,   nodes,          triangle_blocks, sphere_blocks, leaf_primitives, spheres,
-            polygons, polygon_points, polygon_normals, quadrics,      quadric_planes,  triangle_shading,
-            normals,  materials,      lights,          curves,        key_frames,      key_values,
-            steps,    object_nodes,   parts,           instances,     leaf_instances,  object_part_nodes,
+    return {header,
+            nodes,
+            triangle_blocks,
+            sphere_blocks,
+            leaf_primitives,
+            spheres,
+            polygons,
+            polygon_points,
+            polygon_normals,
+            quadrics,
+            quadric_planes,
+            triangle_shading,
+            normals,
+            materials,
+            lights,
+            light_shares,
+            luminaire_vertices,
+            curves,
+            key_frames,
+            key_values,
+            steps,
+            object_nodes,
+            parts,
+            instances,
+            leaf_instances,
+            object_part_nodes,
             poses};
   }
 };
@@ -162,6 +189,8 @@ class Compiler {
       if (!is_added[object]) add_part(object, std::span(&object, 1));
     expand(description_.root, kNone, {});
     build_object_part();
+    add_luminaires();
+    weigh_lights();
     CompiledScene result;
     result.block = encode_scene(arrays_.view());
     result.scene = decode_scene(result.block.bytes());
@@ -190,10 +219,8 @@ class Compiler {
     head.view.aspect = view.aspect;
     head.background = description_.background;
     head.ambient = description_.ambient;
-    for (const LightDescription& l : description_.lights) arrays_.lights.push_back({l.position, l.color});
-    for (const MaterialDescription& m : description_.materials)
-      arrays_.materials.push_back(
-          {m.color, m.ambient, m.diffuse, m.specular, m.shininess, m.reflect, m.transmit, m.index});
+    arrays_.lights = description_.lights;
+    for (const MaterialDescription& m : description_.materials) arrays_.materials.push_back(m);
   }
 
   void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading) {
@@ -318,6 +345,90 @@ class Compiler {
     return fixed;
   }
 
+  struct Luminous {
+    PrimitiveId id;
+    uint32_t first_vertex, vertex_count;
+  };
+
+  uint32_t material_of(PrimitiveId id) const {
+    switch (id.kind()) {
+      case PrimitiveKind::triangle:
+        return arrays_.triangle_shading[id.index()].material;
+      case PrimitiveKind::sphere:
+        return arrays_.spheres[id.index()].material;
+      case PrimitiveKind::polygon:
+        return arrays_.polygons[id.index()].material;
+      case PrimitiveKind::quadric:
+        break;
+    }
+    return arrays_.quadrics[id.index()].material;
+  }
+
+  /// Shadow rays are sent to luminous triangles, spheres and convex polygons; other shapes shine too, but are
+  /// found by chance alone.
+  bool can_be_sampled(PrimitiveId id, uint32_t triangle) const {
+    return arrays_.materials[material_of(id)].emission != Color(0) &&
+           (id.kind() == PrimitiveKind::sphere || triangle != kNone);
+  }
+
+  /// Puts down the corners of a luminous triangle or polygon.
+  Luminous make_luminous(PrimitiveId id, const PartPrimitives& primitives, uint32_t i) {
+    Luminous luminous{id, static_cast<uint32_t>(arrays_.luminaire_vertices.size()), 0};
+    if (id.kind() == PrimitiveKind::triangle) {
+      for (const glm::vec3& v : primitives.triangles[primitives.triangle_of[i]])
+        arrays_.luminaire_vertices.emplace_back(v);
+    } else if (id.kind() == PrimitiveKind::polygon) {
+      const Polygon& polygon = arrays_.polygons[id.index()];
+      for (uint32_t k = 0; k < polygon.point_count; ++k)  // the triangles that stand for it are float
+        arrays_.luminaire_vertices.emplace_back(glm::vec3(arrays_.polygon_points[polygon.first_point + k]));
+    }
+    luminous.vertex_count = static_cast<uint32_t>(arrays_.luminaire_vertices.size()) - luminous.first_vertex;
+    return luminous;
+  }
+
+  void add_luminaires() {
+    arrays_.header[0].first_luminaire = static_cast<uint32_t>(arrays_.lights.size());
+    for (uint32_t i = 0; i < arrays_.instances.size(); ++i)
+      for (const Luminous& luminous : luminous_of_[arrays_.instances[i].part]) {
+        Light light{.kind = LightKind::luminaire, .instance = i, .primitive = luminous.id};
+        light.first_vertex = luminous.first_vertex;
+        light.vertex_count = luminous.vertex_count;
+        light.material = material_of(luminous.id);
+        arrays_.lights.push_back(light);
+      }
+  }
+
+  /// How often a source is chosen: by the irradiance that it gives at a distance of the scene's size.
+  void weigh_lights() {
+    Box bounds;
+    for (const InstancePose& pose : arrays_.poses) bounds.grow(pose.bounds);
+    const double size2 =
+        bounds.is_empty() ? 1 : std::max(1e-300, glm::dot(bounds.extent(), bounds.extent()) / 4);
+    arrays_.header[0].far_away = 4 * (std::sqrt(size2) + (bounds.is_empty() ? 0 : bounds.magnitude()));
+    const Scene scene = arrays_.view();
+    double total = 0;
+    for (const Light& light : arrays_.lights) {
+      switch (light.kind) {
+        case LightKind::point:
+        case LightKind::distant:
+          total += luminance(light.color) * std::numbers::pi;
+          break;
+        case LightKind::bulb:
+        case LightKind::spot:
+          total += luminance(light.color) / size2;
+          break;
+        case LightKind::luminaire:
+          total +=
+              luminance(arrays_.materials[light.material].emission) * luminaire_area(scene, light) / size2;
+      }
+      arrays_.light_shares.push_back(total);
+    }
+    for (double& share : arrays_.light_shares)
+      share = total > 0 ? share / total
+                        : static_cast<double>(&share - arrays_.light_shares.data() + 1) /
+                              static_cast<double>(arrays_.light_shares.size());
+  }
+
   /// Makes the primitives of `objects` one part, which moves with `owner`.
   void add_part(uint32_t owner, std::span<const uint32_t> objects) {
     PartPrimitives primitives;
@@ -348,6 +459,7 @@ class Compiler {
         static_cast<uint32_t>(arrays_.leaf_primitives.size()) - part.first_leaf_primitive;
     const std::array<uint32_t*, 4> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
                                           &part.quadric_count};  // in the order of PrimitiveKind
+    std::vector<Luminous> luminous;
     PrimitiveId previous = kNoPrimitive;
     for (uint32_t i = 0; i < primitives.ids.size(); ++i) {
       part.bounds.grow(source.bounds(i));
@@ -355,7 +467,11 @@ class Compiler {
       if (id == previous) continue;  // another triangle of the same polygon
       previous = id;
       ++*counts[static_cast<size_t>(id.kind())];
+      if (can_be_sampled(id, primitives.triangle_of[i])) luminous.push_back(make_luminous(id, primitives, i));
     }
+    std::sort(luminous.begin(), luminous.end(),
+              [](const auto& a, const auto& b) { return a.id.bits < b.id.bits; });
+    luminous_of_.push_back(std::move(luminous));
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(part);
   }
@@ -405,6 +521,7 @@ class Compiler {
   BuildOptions options_;
   SceneArrays arrays_;
   std::vector<uint32_t> part_of_;
+  std::vector<std::vector<Luminous>> luminous_of_;  ///< by part
   std::map<const Curve*, uint32_t> curve_ids_;
   size_t dropped_ = 0;
 };

@@ -128,7 +128,7 @@ SceneDescription load_nff_scene(const std::string& path) {
   std::vector<bool> light_has_color;
   bool has_view = false;
   const auto add = [&](Shape shape, const Place& place) {
-    if (scene.materials.empty()) scene.materials.push_back({.name = "default"});
+    if (scene.materials.empty()) scene.materials.emplace_back("default");
     primitives.push_back({std::move(shape), static_cast<uint32_t>(scene.materials.size() - 1), place});
   };
 
@@ -142,7 +142,8 @@ SceneDescription load_nff_scene(const std::string& path) {
       scene.background = tokens.vector("background colour");
     } else if (record == "l") {
       if (scene.lights.size() == limits::kLights) tokens.fail("too many lights");
-      LightDescription light{tokens.vector("light position")};
+      Light light;
+      light.position = tokens.vector("light position");
       light_has_color.push_back(tokens.more_on_line());
       if (light_has_color.back()) light.color = tokens.vector("light colour");
       scene.lights.push_back(light);
@@ -185,7 +186,7 @@ SceneDescription load_nff_scene(const std::string& path) {
   scene.ambient = Color(level);
   for (size_t i = 0; i < scene.lights.size(); ++i)
     if (!light_has_color[i]) scene.lights[i].color = Color(level);
-  if (scene.materials.empty()) scene.materials.push_back({.name = "default"});
+  if (scene.materials.empty()) scene.materials.emplace_back("default");
   return scene;
 }
 

@@ -9,8 +9,9 @@
 
 namespace rayfarm {
 
-enum class LightingModel : uint8_t { phong, whitted };
-enum class SamplingPattern : uint8_t { regular, jittered, corners };
+enum class LightingModel : uint8_t { phong, torrance_sparrow, whitted, thesis, path };
+enum class SamplingPattern : uint8_t { sobol, regular, jittered, uncorrelated, n_rooks, poisson, corners };
+enum class FilterKind : uint8_t { box, tent, gaussian, mitchell };
 
 /// A half-open rectangle of pixels, origin top left.
 struct PixelRect {
@@ -30,17 +31,22 @@ struct RenderSettings {
   int width_px = 512, height_px = 512;
   PixelRect crop{0, 0, 512, 512};  ///< what is rendered of the image
   LightingModel lighting = LightingModel::whitted;
-  SamplingPattern sampling = SamplingPattern::regular;
-  uint32_t samples = 1;      ///< per pixel
-  uint32_t max_depth = 5;    ///< of the lighting tree; the eye ray is depth 1
-  double min_weight = 1e-6;  ///< rays that would contribute less are not traced; 0: no cut-off
+  SamplingPattern sampling = SamplingPattern::sobol;
+  FilterKind filter = FilterKind::box;
+  uint32_t samples = 1;       ///< per pixel
+  uint32_t max_depth = 5;     ///< of the lighting tree, or of a path; the eye ray is depth 1
+  double min_weight = 1e-6;   ///< rays that would contribute less are not traced; 0: no cut-off
+  uint32_t diffuse_rays = 1;  ///< N_D of the thesis's model, per hit
+  double diffuse_reach = 0;   ///< where a diffuse ray's strength has fallen to a half; 0: it never falls
+  double diffuse_contrast =
+      0;  ///< difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;
 
   template <typename Archive>
   void serialize(Archive& archive) {
-    archive(width_px, height_px, crop, lighting, sampling, samples, max_depth, min_weight, seed,
-            pixel_format);
+    archive(width_px, height_px, crop, lighting, sampling, filter, samples, max_depth, min_weight,
+            diffuse_rays, diffuse_reach, diffuse_contrast, seed, pixel_format);
   }
 };
 

@@ -5,6 +5,8 @@
 #include <span>
 
 #include "common/hierarchy/ray.h"
+#include "common/lighting/light.h"
+#include "common/materials/material.h"
 #include "common/math/affine.h"
 #include "common/shapes/polygon.h"
 #include "common/shapes/quadric.h"
@@ -69,16 +71,6 @@ struct TriangleShading {
   std::array<uint32_t, 3> normals{kNone, kNone, kNone};
 };
 
-struct MaterialRecord {
-  Color color{1};
-  double ambient = 0, diffuse = 0, specular = 0, shininess = 0, reflect = 0, transmit = 0, index = 1;
-};
-
-struct LightRecord {
-  Vec3 position{0};
-  Color color{1};
-};
-
 // ---- the object part
 // ------------------------------------------------------------------------------------------
 
@@ -140,7 +132,8 @@ struct SceneHeader {
   Color ambient{1};
   ChildRef object_root;      ///< of the object part's boxes, in object_part_nodes
   uint32_t is_animated = 0;  ///< 1 if any object moves: poses are then set per frame
-  uint32_t padding = 0;
+  uint32_t first_luminaire = 0;
+  double far_away = 1;  ///< a distance that leads out of the scene from anywhere in it
 };
 
 /// Every array of the block. The order here is the order in the block.
@@ -158,8 +151,10 @@ struct Scene {
   std::span<const Vec4> quadric_planes;
   std::span<const TriangleShading> triangle_shading;
   std::span<const glm::vec3> normals;
-  std::span<const MaterialRecord> materials;
-  std::span<const LightRecord> lights;
+  std::span<const Material> materials;
+  std::span<const Light> lights;             ///< luminaires last, by (instance, primitive)
+  std::span<const double> light_shares;      ///< cumulative: with which lights are chosen
+  std::span<const Vec3> luminaire_vertices;  ///< as rays meet them, rounded to float
   std::span<const CurveRecord> curves;
   std::span<const double> key_frames;
   std::span<const Vec4> key_values;
@@ -202,6 +197,8 @@ void for_each_array(SceneType& s, Visitor visit) {
   visit("normals", s.normals);
   visit("materials", s.materials);
   visit("lights", s.lights);
+  visit("light_shares", s.light_shares);
+  visit("luminaire_vertices", s.luminaire_vertices);
   visit("curves", s.curves);
   visit("key_frames", s.key_frames);
   visit("key_values", s.key_values);

@@ -98,6 +98,22 @@ void check_indices(const Scene& s) {
   for (const uint32_t c : {view.location, view.direction, view.up, view.field_of_view}) curve(c);
   if (view.look_at != kNone) curve(view.look_at);
   require(s.key_frames.size() == s.key_values.size(), "the keys");
+  require(s.light_shares.size() == s.lights.size() && s.head().first_luminaire <= s.lights.size(),
+          "the lights");
+  for (size_t i = 0; i < s.lights.size(); ++i) {
+    const Light& light = s.lights[i];
+    require((light.kind == LightKind::luminaire) == (i >= s.head().first_luminaire), "a light's kind");
+    if (light.kind != LightKind::luminaire) continue;
+    material(light.material);
+    require(light.instance < s.instances.size(), "a light's instance");
+    const bool has_corners = exists(s, light.primitive, PrimitiveKind::polygon) ||
+                             exists(s, light.primitive, PrimitiveKind::triangle);
+    require(exists(s, light.primitive, PrimitiveKind::sphere) ||
+                (has_corners && light.vertex_count >= 3 &&
+                 range_fits(light.first_vertex, light.vertex_count, s.luminaire_vertices.size())),
+            "a light's primitive");
+  }
+  for (const Material& m : s.materials) require(m.kind <= MaterialKind::luminaire, "a material's kind");
   for (const CurveRecord& c : s.curves)
     require(c.key_count > 0 && range_fits(c.first_key, c.key_count, s.key_frames.size()) &&
                 c.interpolation <= static_cast<uint32_t>(Interpolation::spherical_rotation),

@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "common/lighting/light.h"
+#include "common/materials/material.h"
 #include "common/scene/animation.h"
 #include "common/scene/input_error.h"
 
@@ -35,23 +37,12 @@ struct Place {
   int column = 0;
 };
 
-/// Coefficients of Equations 2.4 and 2.12 with a colour for the diffuse terms:
-/// I = color (ambient Ia + diffuse sum S I cos) + specular sum S I cos^shininess + reflect R + transmit T.
-struct MaterialDescription {
+/// Classical: I = color (ambient Ia + diffuse sum S I cos) + specular sum S I cos^shininess + reflect R +
+/// transmit T (Equations 2.4 and 2.12, with a colour for the diffuse terms).
+struct MaterialDescription : Material {
+  MaterialDescription() = default;
+  explicit MaterialDescription(std::string of_name) : name(std::move(of_name)) {}
   std::string name;
-  Color color{1};
-  double ambient = 0.2;
-  double diffuse = 0.8;
-  double specular = 0;
-  double shininess = 20;
-  double reflect = 0;
-  double transmit = 0;
-  double index = 1;  ///< of refraction, inside the surface relative to outside
-};
-
-struct LightDescription {
-  Vec3 position{0};
-  Color color{1};  ///< intensity; there is no falloff
 };
 
 /// The thesis's five parameters (2.3.2): location, direction, up, field of view, aspect ratio.
@@ -123,8 +114,8 @@ struct SceneDescription {
   std::vector<std::string> files;  ///< every file read; [0] is the scene
   ViewDescription view;
   Color background{0};
-  Color ambient{1};  ///< Ia
-  std::vector<LightDescription> lights;
+  Color ambient{1};           ///< Ia
+  std::vector<Light> lights;  ///< luminaires are found by their materials
   std::vector<MaterialDescription> materials;
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;

@@ -5,6 +5,7 @@
 
 #include "common/math/portable_math.h"
 #include "common/scene/scene_loaders.h"
+#include "common/scene/yaml_materials.h"
 #include "common/scene/yaml_reader.h"
 
 namespace rayfarm {
@@ -105,7 +106,7 @@ class Loader {
     if (auto v = map.find("ambient")) scene_.ambient = v->color();
     if (auto v = map.find("frames")) read_frames(*v);
     if (auto v = map.find("lights")) read_lights(*v);
-    scene_.materials.push_back({.name = "default"});
+    scene_.materials.emplace_back("default");
     if (auto v = map.find("materials")) read_materials(*v);
     if (auto v = map.find("objects")) read_definitions(*v);
     scene_.objects.push_back({"scene", {}, {}, {0, 1, 1}});
@@ -150,36 +151,13 @@ class Loader {
 
   void read_lights(const YamlValue& value) {
     for (const YamlValue& item : value.items()) {
-      YamlMap map(item);
-      LightDescription light;
-      light.position = map.require("position").vector();
-      if (auto v = map.find("color")) light.color = v->color();
-      if (auto v = map.find("intensity")) light.color *= v->number_in(0, 1e9);
-      map.finish();
-      scene_.lights.push_back(light);
+      scene_.lights.push_back(read_light(item));
       if (scene_.lights.size() > limits::kLights) item.fail("too many lights");
     }
   }
 
   void read_materials(const YamlValue& value) {
-    for (const auto& [key, v] : value.entries()) {
-      YamlMap map(v);
-      MaterialDescription m;
-      m.name = key.text();
-      const auto coefficient = [&map](const char* name, double& target) {
-        if (auto found = map.find(name)) target = found->number_in(0, 1e6);
-      };
-      if (auto c = map.find("color")) m.color = c->color();
-      coefficient("ambient", m.ambient);
-      coefficient("diffuse", m.diffuse);
-      coefficient("specular", m.specular);
-      coefficient("shininess", m.shininess);
-      coefficient("reflect", m.reflect);
-      coefficient("transmit", m.transmit);
-      if (auto i = map.find("index")) m.index = i->number_in(1e-3, 1e3);
-      map.finish();
-      scene_.materials.push_back(m);
-    }
+    for (const auto& [key, v] : value.entries()) scene_.materials.push_back(read_material(key.text(), v));
     for (const MaterialDescription& m : scene_.materials) material_names_.push_back(m.name);
   }
 

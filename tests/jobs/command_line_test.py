@@ -31,7 +31,7 @@ class Usage(JobTest):
 
     def test_wrong_values(self):
         for option, value, says in (("--size", "64", "WIDTHxHEIGHT"), ("--size", "70000x10", "65536"), ("--size", "0x9", "65536"),
-                                    ("--samples", "0", "samples"), ("--lighting", "fong", "phong|whitted"),
+                                    ("--samples", "0", "samples"), ("--lighting", "fong", "torrance-sparrow|whitted"),
                                     ("--frames", "9-1", "before"), ("--frames", "x", "frame number"),
                                     ("--frames", "1-3", "####"), ("--crop", "1,2,3", "x0,x1,y0,y1"), ("--max-depth", "0", "max-depth")):
             self.expect(2, "render", SCENE, "-o", self.folder / "a.png", option, value, says=[says])
@@ -49,6 +49,14 @@ class Usage(JobTest):
 
     def test_corner_sampling_takes_one_ray(self):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--samples", "4")
+
+    def test_patterns_that_do_not_fit(self):
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--filter", "tent", says=["corners"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "poisson", "--samples", "2000", says=["1024"])
+
+    def test_impossible_material(self):
+        scene = self.write("impossible.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {m: {lambertian: 1.5}}\nscene: []\n")
+        self.expect(3, "render", scene, "-o", self.folder / "a.png", says=["impossible.yaml:2:", "1.5 times the light"])
 
     def test_missing_scene(self):
         self.expect(3, "render", self.folder / "no.yaml", "-o", self.folder / "a.png", says=["no such file"])

@@ -1,7 +1,6 @@
 // Analytic answers: what Equations 2.4 and 2.12 give where they can be worked out by hand.
 #include "common/lighting/render.h"
 #include "common/math/portable_math.h"
-#include "common/sampling/pixel_sampler.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -12,8 +11,10 @@ struct World {
       : compiled(compile(test::load_yaml(text))), frame_pose(compiled.scene), pose(frame_pose.at(0)) {}
   Color trace(const Vec3& origin, const Vec3& direction) {
     const Ray ray{origin, normalized(direction)};
+    const SampleId id;
     Color color;
-    trace_eye_rays(compiled.scene, pose, settings, std::span(&ray, 1), counts, &color);
+    trace_eye_rays(FrameContext(compiled.scene, pose, settings, 0), std::span(&ray, 1), std::span(&id, 1),
+                   counts, &color);
     return color;
   }
   CompiledScene compiled;
@@ -124,7 +125,9 @@ TEST_P(SceneScale, NeitherAcneNorLeaks) {
   for (const double shift : {0.0, 300.0}) {
     SceneDescription scene;
     scene.files = {"acne"};
-    scene.materials.push_back({.name = "m", .ambient = 0, .diffuse = 1});
+    scene.materials.emplace_back("m");
+    scene.materials[0].ambient = 0;
+    scene.materials[0].diffuse = 1;
     scene.objects.push_back({"root", {}, {}, {}});
     const Vec3 at = Vec3(shift, -0.7 * shift, 0.3 * shift) * s;
     scene.objects.push_back({"moved", {}, {}, {}});
@@ -136,7 +139,7 @@ TEST_P(SceneScale, NeitherAcneNorLeaks) {
     scene.objects[0].children.push_back(
         {1, {{TransformKind::translate, constant_curve(Vec4(at + Vec3(8, 0, 0) * s, 0)), {}, {}}}, {}});
     const Vec3 eye = at + Vec3(4, 1, 30) * s;
-    scene.lights.push_back({eye, Color(1)});
+    scene.lights.push_back({.position = eye});
     const CompiledScene compiled = compile(scene);
     FramePose frame_pose(compiled.scene);
     const Pose pose = frame_pose.at(0);
@@ -168,7 +171,7 @@ TEST(Lighting, MeshesOfAnyScaleShadowThemselvesOnlyWhereTheyShould) {
   for (const double s : {1e-3, 1.0, 1e6}) {
     SceneDescription scene;
     scene.files = {"mesh"};
-    scene.materials.push_back({.name = "m"});
+    scene.materials.emplace_back("m");
     scene.objects.push_back({"root", {}, {}, {}});
     MeshShape mesh;  // a convex octahedron
     for (const Vec3& v :
@@ -195,30 +198,6 @@ TEST(Lighting, MeshesOfAnyScaleShadowThemselvesOnlyWhereTheyShould) {
       ASSERT_TRUE(closest_hit(compiled.scene, pose, {inside, -surface.geometric_normal}).is_hit());
     }
   }
-}
-
-TEST(Sampling, StrataAndJitter) {
-  EXPECT_EQ(make_strata(12).columns, 4u);
-  EXPECT_EQ(make_strata(12).rows, 3u);
-  RenderSettings settings;
-  settings.samples = 1;
-  const Vec2 center = sample_place(settings, stratum_of(make_strata(1), 0), 0, 5, 6, 0);
-  EXPECT_EQ(center, Vec2(0.5, 0.5));
-  settings.sampling = SamplingPattern::jittered;
-  settings.samples = 16;
-  const Strata strata = make_strata(16);
-  Vec2 mean(0);
-  for (int pixel = 0; pixel < 1000; ++pixel)
-    for (uint32_t i = 0; i < 16; ++i) {
-      const Vec2 p = sample_place(settings, stratum_of(strata, i), 3, pixel, 7, i);
-      EXPECT_EQ(static_cast<uint32_t>(p.x * 4), i % 4);
-      EXPECT_EQ(static_cast<uint32_t>(p.y * 4), i / 4);
-      mean += p;
-    }
-  EXPECT_NEAR(mean.x / 16000, 0.5, 0.002);
-  EXPECT_NEAR(mean.y / 16000, 0.5, 0.002);
-  EXPECT_NE(random_pair(1, 0, 0, 0, 0, RandomDimension::screen),
-            random_pair(1, 1, 0, 0, 0, RandomDimension::screen));
 }
 
 TEST(Render, CornersAreSharedAndCountedOnce) {

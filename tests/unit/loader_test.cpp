@@ -16,7 +16,7 @@ void expect_error(const std::string& text, const std::string& place, const std::
 
 TEST(YamlLoader, EveryKindOfShape) {
   const SceneDescription scene = load_yaml(view_text() + R"(
-materials: {m: {color: [1, 0, 0], reflect: 0.5}}
+materials: {m: {color: [1, 0, 0], diffuse: 0.5, reflect: 0.5}}
 objects: {pair: [{sphere: {center: [0, 0, 0], radius: 1}}, {sphere: {center: [2, 0, 0], radius: 1}}]}
 scene:
   - {material: m, polygon: {points: [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]}}

@@ -29,7 +29,7 @@ class NaiveTracer {
     const bool from_outside = glm::dot(direction, hit.normal) < 0;
     const Vec3 n = from_outside ? hit.normal : -hit.normal;
     Color diffuse = m.ambient * scene_.ambient, highlight(0);
-    for (const LightDescription& light : scene_.lights) {
+    for (const Light& light : scene_.lights) {
       const Vec3 l = normalized(light.position - p);
       if (glm::dot(n, l) <= 0) continue;
       if (closest(p, l, glm::length(light.position - p)).material) continue;

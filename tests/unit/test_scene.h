@@ -52,7 +52,7 @@ inline SceneDescription make_mixed_scene(uint32_t seed, double scale, size_t cou
   std::mt19937 random(seed);
   SceneDescription scene;
   scene.files = {"mixed"};
-  scene.materials.push_back({.name = "default"});
+  scene.materials.emplace_back("default");
   scene.objects.push_back({"root", {}, {}, {}});
   auto& primitives = scene.objects[0].primitives;
   for (size_t i = 0; i < count; ++i) {

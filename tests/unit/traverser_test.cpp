@@ -132,7 +132,7 @@ template <typename Corner>
 SceneDescription make_triangles(uint32_t count, Corner corner) {
   SceneDescription scene;
   scene.files = {"triangles"};
-  scene.materials.push_back({.name = "default"});
+  scene.materials.emplace_back("default");
   MeshShape mesh;
   for (uint32_t i = 0; i < count; ++i) {
     for (uint32_t k = 0; k < 3; ++k) mesh.positions.emplace_back(corner(i, k));
@@ -180,7 +180,7 @@ TEST(Traverser, SpecksOnALineAreFound) {
   // Spheres so small that their boxes, and the whole scene's box, have no area.
   SceneDescription scene;
   scene.files = {"specks"};
-  scene.materials.push_back({.name = "default"});
+  scene.materials.emplace_back("default");
   scene.objects.push_back({"specks", {}, {}, {}});
   for (int i = 0; i < 10; ++i) scene.objects[0].primitives.push_back({SphereShape{{i, 1, 1}, 1e-20}, 0, {}});
   const CompiledScene compiled = compile(scene);
@@ -251,7 +251,7 @@ TEST(Traverser, NoRayLeaksThroughTheEdgesOfAClosedMesh) {
   constexpr int kRows = 24, kColumns = 48;
   SceneDescription scene;
   scene.files = {"closed"};
-  scene.materials.push_back({.name = "default"});
+  scene.materials.emplace_back("default");
   scene.objects.push_back({"mesh", {}, {}, {}});
   MeshShape mesh;
   for (int i = 0; i <= kRows; ++i)

@@ -1,0 +1,32 @@
+#pragma once
+// What stays the same for all rays of a frame.
+#include "common/lighting/diffuse_directions.h"
+#include "common/lighting/surface.h"
+#include "common/sampling/sampler.h"
+
+namespace rayfarm {
+
+struct FrameContext {
+  FrameContext(const Scene& of_scene, const Pose& at_pose, const RenderSettings& with, int frame)
+      : scene(of_scene),
+        pose(at_pose),
+        settings(with),
+        sampler(with, frame),
+        diffuse_directions(with.lighting == LightingModel::thesis
+                               ? with.diffuse_rays * samples_that_share_directions(with)
+                               : 0) {}
+
+  /// The thesis spreads one set of diffuse rays over all the samples of a pixel; four for rays through
+  /// corners, each of which four pixels share.
+  static uint32_t samples_that_share_directions(const RenderSettings& settings) {
+    return settings.sampling == SamplingPattern::corners ? 4 : settings.samples;
+  }
+
+  const Scene& scene;
+  const Pose& pose;
+  const RenderSettings& settings;
+  Sampler sampler;
+  DiffuseDirections diffuse_directions;
+};
+
+}  // namespace rayfarm

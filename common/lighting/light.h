@@ -1,0 +1,30 @@
+#pragma once
+// Sources of light: plain data, as the compiled scene holds them.
+#include "common/hierarchy/ray.h"
+#include "common/math/vector.h"
+
+namespace rayfarm {
+
+enum class LightKind : uint32_t {
+  point,  ///< position, color; without falloff, as the thesis has it: color is what a white surface facing it
+          ///< shows
+  bulb,   ///< position, color: radiant intensity, which falls with the square of the distance
+  spot,   ///< a bulb that shines about `direction` only
+  distant,   ///< direction, color: irradiance / π; from infinitely far
+  luminaire  ///< a primitive of a luminous material
+};
+
+struct Light {
+  LightKind kind = LightKind::point;
+  uint32_t instance = 0;  ///< of a luminaire, as the next three
+  PrimitiveId primitive{};
+  uint32_t first_vertex = 0, vertex_count = 0;  ///< of a luminous triangle or polygon, in luminaire_vertices
+  uint32_t material = 0;
+  Vec3 position{0};
+  Vec3 direction{0, -1, 0};  ///< unit; in which the light shines
+  Color color{1};
+  double cosine_full = 1,
+         cosine_none = 1;  ///< of the angles up to which a spot is bright, and from which it is dark
+};
+
+}  // namespace rayfarm

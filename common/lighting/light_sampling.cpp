@@ -1,0 +1,200 @@
+#include "common/lighting/light_sampling.h"
+
+#include <numbers>
+
+#include "common/materials/scattering.h"
+#include "common/sampling/warps.h"
+
+namespace rayfarm {
+namespace {
+
+using std::numbers::pi;
+
+/// A point on a primitive, in the world.
+struct PrimitivePoint {
+  Vec3 p{0}, normal{0};  ///< unit, outward
+  double density = 0;    ///< per area
+  double magnitude = 0;  ///< of the numbers that it was computed from
+};
+
+/// How much longer areas of normal `n` are in the world than in the object's space, for |n| = 1.
+double area_scale(const InstancePose& pose, const Vec3& n) {
+  const Vec3 m = pose.object_from_world.normal_by_inverse(n);
+  return std::sqrt(glm::dot(m, m)) / std::abs(glm::determinant(pose.object_from_world.linear));
+}
+
+/// The corners of a luminous polygon or triangle.
+std::span<const Vec3> corners_of(const Scene& scene, const Light& light) {
+  return scene.luminaire_vertices.subspan(light.first_vertex, light.vertex_count);
+}
+
+Vec3 fan_cross(std::span<const Vec3> points, size_t i) {
+  return glm::cross(points[i] - points[0], points[i + 1] - points[0]);
+}
+double fan_area(std::span<const Vec3> points, size_t i) {
+  return 0.5 * glm::length(fan_cross(points, i));
+}
+double area_of(std::span<const Vec3> points) {
+  double area = 0;
+  for (size_t i = 1; i + 1 < points.size(); ++i) area += fan_area(points, i);
+  return area;
+}
+
+double area_in_object(const Scene& scene, const Light& light) {
+  if (light.primitive.kind() != PrimitiveKind::sphere) return area_of(corners_of(scene, light));
+  const double r = scene.spheres[light.primitive.index()].radius;
+  return 4 * pi * r * r;
+}
+
+PrimitivePoint point_on(std::span<const Vec3> points, Vec2 u) {
+  const double area = area_of(points);
+  double rest = u.x * area;
+  size_t i = 1;
+  while (i + 2 < points.size() && rest >= fan_area(points, i)) rest -= fan_area(points, i++);
+  u.x = std::clamp(rest / fan_area(points, i), 0.0, 1.0);
+  const Vec2 weights = sample_triangle(u);
+  double magnitude = 0;
+  for (const Vec3& q : points) magnitude = std::max(magnitude, max_magnitude(q));
+  return {points[0] + weights.x * (points[i] - points[0]) + weights.y * (points[i + 1] - points[0]),
+          normalized(fan_cross(points, i)), 1 / area, magnitude};
+}
+
+PrimitivePoint point_on(const SphereRecord& sphere, const Vec2& u) {
+  const Vec3 normal = sample_sphere(u);
+  return {sphere.center + sphere.radius * normal, normal, 1 / (4 * pi * sphere.radius * sphere.radius),
+          max_magnitude(sphere.center) + sphere.radius};
+}
+
+/// 1 - cos of the half angle under which a sphere is seen from a point outside it.
+double one_minus_cosine(const SphereRecord& sphere, double distance2) {
+  const double sine2 = sphere.radius * sphere.radius / distance2;
+  return sine2 / (1 + std::sqrt(std::max(0.0, 1 - sine2)));
+}
+
+/// Spheres that are where they are described are sampled by the solid angle under which they are seen.
+bool is_sampled_by_angle(const Scene& scene, const InstancePose& pose, const Light& light, const Vec3& p,
+                         double& distance2) {
+  if (light.primitive.kind() != PrimitiveKind::sphere || !pose.is_identity) return false;
+  const SphereRecord& sphere = scene.spheres[light.primitive.index()];
+  const Vec3 to_center = sphere.center - p;
+  distance2 = glm::dot(to_center, to_center);
+  return distance2 > sphere.radius * sphere.radius * (1 + 1e-9);
+}
+
+LightSample sample_luminaire(const Scene& scene, const Pose& pose, const Light& light, const Vec3& p,
+                             const Vec2& u) {
+  const InstancePose& place = pose.instances[light.instance];
+  LightSample result;
+  PrimitivePoint point;
+  double distance2;
+  if (is_sampled_by_angle(scene, place, light, p, distance2)) {
+    const SphereRecord& sphere = scene.spheres[light.primitive.index()];
+    const double height = one_minus_cosine(sphere, distance2), distance = std::sqrt(distance2);
+    const Vec3 axis = (sphere.center - p) / distance;
+    result.to_light = Frame(axis).to_world(sample_cone(u, height));
+    const double along = distance * glm::dot(axis, result.to_light);
+    const double rest = sphere.radius * sphere.radius - (distance2 - along * along);
+    point.p = p + (along - std::sqrt(std::max(0.0, rest))) * result.to_light;
+    point.normal = normalized(point.p - sphere.center);
+    point.magnitude = max_magnitude(sphere.center) + sphere.radius;
+    result.pdf = cone_pdf(height);
+  } else {
+    point = light.primitive.kind() == PrimitiveKind::sphere
+                ? point_on(scene.spheres[light.primitive.index()], u)
+                : point_on(corners_of(scene, light), u);
+    if (!place.is_identity) {
+      point.density /= area_scale(place, point.normal);
+      point.p = place.world_from_object.point(point.p);
+      point.normal = normalized(place.object_from_world.normal_by_inverse(point.normal));
+      point.magnitude = std::max(point.magnitude, max_magnitude(point.p));
+    }
+    const Vec3 to_light = point.p - p;
+    const double square = glm::dot(to_light, to_light);
+    result.to_light = normalized(to_light);
+    const double cosine = -glm::dot(point.normal, result.to_light);
+    if (!(cosine > 0) || !(square > 0)) return {};
+    result.pdf = point.density * square / cosine;
+  }
+  const double cosine = -glm::dot(point.normal, result.to_light);
+  if (!(cosine > 0)) return {};
+  result.target = point.p + rounding_bound(std::max(point.magnitude, max_magnitude(p))) * point.normal;
+  result.incident =
+      emitted(scene.materials[light.material], {-result.to_light, point.normal, true, 1}) / result.pdf;
+  return result;
+}
+
+}  // namespace
+
+LightSample sample_light(const Scene& scene, const Pose& pose, const Light& light, const Vec3& p,
+                         const Vec2& u) {
+  if (light.kind == LightKind::luminaire) return sample_luminaire(scene, pose, light, p, u);
+  LightSample result;
+  if (light.kind == LightKind::distant) {
+    result.to_light = -light.direction;
+    result.target = p + scene.head().far_away * result.to_light;
+    result.incident = pi * light.color;
+    return result;
+  }
+  const Vec3 to_light = light.position - p;
+  result.to_light = normalized(to_light);
+  result.target = light.position;
+  result.incident =
+      light.kind == LightKind::point ? pi * light.color : light.color / glm::dot(to_light, to_light);
+  if (light.kind == LightKind::spot) {
+    const double cosine = -glm::dot(light.direction, result.to_light);
+    const double part = light.cosine_full > light.cosine_none
+                            ? (cosine - light.cosine_none) / (light.cosine_full - light.cosine_none)
+                            : cosine >= light.cosine_full;
+    const double x = std::clamp(part, 0.0, 1.0);
+    result.incident *= x * x * (3 - 2 * x);
+  }
+  return result;
+}
+
+double light_pdf(const Scene& scene, const Pose& pose, const Light& light, const Vec3& origin,
+                 const Surface& surface) {
+  const InstancePose& place = pose.instances[light.instance];
+  double distance2;
+  if (is_sampled_by_angle(scene, place, light, origin, distance2))
+    return cone_pdf(one_minus_cosine(scene.spheres[light.primitive.index()], distance2));
+  double area = area_in_object(scene, light);
+  if (!place.is_identity) {
+    const Vec3 local = normalized(glm::transpose(place.world_from_object.linear) * surface.geometric_normal);
+    area *= area_scale(place, local);
+  }
+  const Vec3 to_light = surface.p - origin;
+  const double square = glm::dot(to_light, to_light);
+  const double cosine = std::abs(glm::dot(surface.geometric_normal, normalized(to_light)));
+  return cosine > 0 ? square / (cosine * area) : 0;
+}
+
+double luminaire_area(const Scene& scene, const Light& light) {
+  const InstancePose& place = scene.poses[light.instance];
+  const double area = area_in_object(scene, light);
+  if (place.is_identity) return area;
+  if (light.primitive.kind() == PrimitiveKind::sphere)  // near enough: it only guides the choice
+    return area / std::cbrt(std::pow(glm::determinant(place.object_from_world.linear), 2));
+  return area * area_scale(place, normalized(fan_cross(corners_of(scene, light), 1)));
+}
+
+uint32_t find_luminaire(const Scene& scene, uint32_t instance, PrimitiveId primitive) {
+  const auto key = [](const Light& light) { return std::pair(light.instance, light.primitive.bits); };
+  const auto begin = scene.lights.begin() + scene.head().first_luminaire;
+  const auto found =
+      std::lower_bound(begin, scene.lights.end(), std::pair(instance, primitive.bits),
+                       [&](const Light& light, const auto& wanted) { return key(light) < wanted; });
+  if (found == scene.lights.end() || key(*found) != std::pair(instance, primitive.bits)) return kNone;
+  return static_cast<uint32_t>(found - scene.lights.begin());
+}
+
+uint32_t choose_light(const Scene& scene, double u) {
+  const auto& shares = scene.light_shares;
+  const auto found = std::upper_bound(shares.begin(), shares.end(), u) - shares.begin();
+  return static_cast<uint32_t>(std::min<ptrdiff_t>(found, static_cast<ptrdiff_t>(shares.size()) - 1));
+}
+
+double choice_probability(const Scene& scene, uint32_t light) {
+  return scene.light_shares[light] - (light > 0 ? scene.light_shares[light - 1] : 0.0);
+}
+
+}  // namespace rayfarm

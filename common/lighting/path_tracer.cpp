@@ -1,0 +1,199 @@
+#include "common/lighting/path_tracer.h"
+
+#include "common/lighting/light_sampling.h"
+#include "common/lighting/media.h"
+#include "common/materials/scattering.h"
+#include "common/math/inline_vector.h"
+#include "common/math/portable_math.h"
+
+namespace rayfarm {
+namespace {
+
+/// From this depth on paths end by chance.
+constexpr uint32_t kFirstRoulette = 4;
+
+/// A path on its way.
+struct Path {
+  Color throughput{1};
+  Color* color = nullptr;
+  SampleId id;
+  Media media;
+  double pdf = 0;  ///< of the last direction; 0: only chance could have led here, as along a mirror's
+  uint32_t depth = 1;
+};
+
+/// Up to kMostPacketRays paths go on together; what becomes of one does not depend on the others.
+class PathTracer {
+ public:
+  PathTracer(const FrameContext& context, RayCounts& counts)
+      : scene_(context.scene),
+        pose_(context.pose),
+        settings_(context.settings),
+        sampler_(context.sampler),
+        counts_(counts) {}
+
+  void trace(std::span<const Ray> rays, std::span<const SampleId> ids, Color* colors) {
+    for (size_t i = 0; i < rays.size(); ++i) {
+      colors[i] = Color(0);
+      rays_.push_back(rays[i]);
+      Path path;
+      path.color = &colors[i];
+      path.id = ids[i];
+      paths_.push_back(path);
+    }
+    while (!rays_.empty()) step();
+  }
+
+ private:
+  template <typename T>
+  using OfPacket = InlineVector<T, kMostPacketRays>;
+
+  void step() {
+    std::array<Hit, kMostPacketRays> hits;
+    closest_hits(scene_, pose_, rays_.span(), hits.data());
+    shadow_rays_.clear();
+    shadow_colors_.clear();
+    size_t kept = 0;
+    for (size_t i = 0; i < rays_.size(); ++i) {
+      Ray ray = rays_[i];
+      Path path = paths_[i];
+      if (!visit(path, ray, hits[i])) continue;
+      rays_[kept] = ray;
+      paths_[kept++] = path;
+    }
+    rays_.resize_for_overwrite(kept);
+    paths_.resize_for_overwrite(kept);
+    if (shadow_rays_.empty()) return;
+    counts_.shadow += shadow_rays_.size();
+    const uint32_t blocked = any_hits(scene_, pose_, shadow_rays_.span());
+    for (size_t i = 0; i < shadow_rays_.size(); ++i)
+      if (!(blocked >> i & 1)) *shadow_colors_[i].target += shadow_colors_[i].color;
+  }
+
+  /// Adds what the path finds where it hits, and turns `ray` into what follows. False: the path ends.
+  bool visit(Path& path, Ray& ray, const Hit& hit) {
+    if (!hit.is_hit()) {
+      *path.color += path.throughput * scene_.head().background;
+      return false;
+    }
+    const Surface surface = eval_surface(scene_, pose_, ray, hit);
+    const Material& material = scene_.materials[surface.material];
+    if (const uint32_t medium = path.media.current(scene_); medium != kNone)
+      absorb(path, scene_.materials[medium].filter, hit.t);
+
+    Interaction at{-ray.direction, surface.shading_normal, surface.is_front,
+                   surface.is_front ? material.index : 1 / material.index};
+    if (!(glm::dot(at.to_viewer, at.normal) > 0)) at.normal = surface.geometric_normal;
+    const bool is_dielectric = material.kind == MaterialKind::dielectric;
+    if (is_dielectric) {
+      const Media::Crossing crossing = path.media.meet(scene_, surface.material, surface.is_front);
+      if (!crossing.is_real) {
+        path.media.cross(surface.material, surface.is_front);
+        path.pdf = 0;  // no shadow ray could have come through
+        ray = {surface.ray_origin(ray.direction), ray.direction};
+        return ++path.depth <= settings_.max_depth;
+      }
+      at.index_ratio = crossing.index_ratio;
+    }
+    add_emission(path, ray, hit, surface, material, at);
+    if (path.depth >= settings_.max_depth) return false;
+
+    Lobes lobes;
+    scatter(material, at, lobes);
+    add_direct_light(path, surface, at, lobes);
+    const Vec2 lobe = sampler_.point(path.id, dimension::of_bounce(path.depth, dimension::kLobe));
+    const Vec2 direction = sampler_.point(path.id, dimension::of_bounce(path.depth, dimension::kDirection));
+    const ScatteredRay next = sample(lobes, at, direction, lobe.x);
+    path.throughput *= next.weight;
+    path.pdf = next.pdf;
+    if ((glm::dot(surface.geometric_normal, next.direction) > 0) == next.is_transmitted) return false;
+    if (!survives(path, lobe.y)) return false;
+    if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
+    ++path.depth;
+    ++(next.is_transmitted                    ? counts_.transmitted
+       : next.spread == Lobe::Spread::diffuse ? counts_.diffuse
+                                              : counts_.reflected);
+    ray = {surface.ray_origin(next.direction), next.direction};
+    return true;
+  }
+
+  static void absorb(Path& path, const Color& filter, double distance) {
+    for (int c = 0; c < 3; ++c)
+      if (filter[c] < 1) path.throughput[c] *= portable_pow(filter[c], distance);
+  }
+
+  void add_emission(Path& path, const Ray& ray, const Hit& hit, const Surface& surface,
+                    const Material& material, const Interaction& at) {
+    if (!is_luminaire(material)) return;
+    Color light = path.throughput * emitted(material, at);
+    if (path.pdf > 0)
+      if (const uint32_t source = find_luminaire(scene_, hit.instance, hit.primitive); source != kNone)
+        light *= balance(path.pdf, choice_probability(scene_, source) *
+                                       light_pdf(scene_, pose_, scene_.lights[source], ray.origin, surface));
+    *path.color += light;
+  }
+
+  /// A shadow ray to one of the sources.
+  void add_direct_light(const Path& path, const Surface& surface, const Interaction& at, const Lobes& lobes) {
+    if (scene_.lights.empty()) return;
+    const Vec2 choice = sampler_.point(path.id, dimension::of_bounce(path.depth, dimension::kLight));
+    const uint32_t source = choose_light(scene_, choice.x);
+    const Light& light = scene_.lights[source];
+    const Vec2 u = has_extent(light)
+                       ? sampler_.point(path.id, dimension::of_bounce(path.depth, dimension::kLightPoint))
+                       : Vec2(0);
+    const LightSample sample = sample_light(scene_, pose_, light, surface.p, u);
+    if (sample.incident == Color(0)) return;
+    // Where smooth normals disagree with the surface, light must not come from the wrong side of it.
+    if ((glm::dot(surface.geometric_normal, sample.to_light) > 0) !=
+        (glm::dot(at.normal, sample.to_light) > 0))
+      return;
+    const Scattered scattered = eval(lobes, at, sample.to_light);
+    if (scattered.value == Color(0)) return;
+    const double probability = choice_probability(scene_, source);
+    const double weight = sample.pdf > 0 ? balance(sample.pdf * probability, scattered.pdf) : 1;
+    const Vec3 origin = surface.ray_origin(sample.to_light);
+    shadow_rays_.push_back({origin, sample.target - origin, 1});
+    shadow_colors_.push_back(
+        {path.color, path.throughput * scattered.value * sample.incident * (weight / probability)});
+  }
+
+  /// The power heuristic for one sample of each of two densities (Veach 1997, section 9.2.4).
+  static double balance(double used, double other) {
+    const double ratio = other / used;
+    return 1 / (1 + ratio * ratio);
+  }
+
+  bool survives(Path& path, double u) const {
+    const double strength = max_component(path.throughput);
+    if (!(strength > 0)) return false;
+    if (path.depth < kFirstRoulette) return true;
+    const double chance = std::min(1.0, strength);
+    if (u >= chance) return false;
+    path.throughput /= chance;
+    return true;
+  }
+
+  struct ShadowColor {
+    Color* target;
+    Color color;
+  };
+
+  const Scene& scene_;
+  const Pose& pose_;
+  const RenderSettings& settings_;
+  const Sampler& sampler_;
+  RayCounts& counts_;
+  OfPacket<Ray> rays_, shadow_rays_;
+  OfPacket<Path> paths_;
+  OfPacket<ShadowColor> shadow_colors_;
+};
+
+}  // namespace
+
+void trace_paths(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+                 RayCounts& counts, Color* colors) {
+  PathTracer(context, counts).trace(rays, ids, colors);
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,39 @@
+#pragma once
+// What a surface is made of: plain data, the same in a scene's description and in its compiled block.
+#include <cstdint>
+
+#include "common/math/vector.h"
+
+namespace rayfarm {
+
+/// Families, each with the parameters that shape it (Shirley, Sung and Brown 1991, section 2.4), beside the
+/// classical coefficients.
+enum class MaterialKind : uint32_t {
+  classical,    ///< color, ambient, diffuse, specular, shininess, reflect, transmit, index
+  lambertian,   ///< color: the albedo
+  conductor,    ///< n, k, exponent
+  dielectric,   ///< index, filter, exponent, priority
+  polished,     ///< color: the substrate's albedo; index, exponent: of the polish
+  translucent,  ///< color, back: the albedos of the two sides; through: what passes diffusely
+  luminaire     ///< color: the albedo; emission, exponent
+};
+
+struct Material {
+  // The coefficients of Equations 2.4 and 2.12. The families fill them in too, for the classical lighting
+  // models.
+  Color color{1};
+  double ambient = 0.2, diffuse = 0.8, specular = 0, shininess = 20, reflect = 0, transmit = 0;
+  double index = 1;  ///< of refraction, inside the surface relative to outside
+
+  MaterialKind kind = MaterialKind::classical;
+  int32_t priority = 0;  ///< where dielectrics overlap the one of the highest priority is there
+  /// Spread of what is reflected or refracted, cosⁿ about its direction; 0: none, the surface is smooth. Of a
+  /// luminaire: its radiance falls with cosⁿ.
+  double exponent = 0;
+  Color n{1}, k{0};  ///< complex index of refraction of a conductor
+  Color filter{1};   ///< what is left of light after one unit of length in a dielectric
+  Color back{0}, through{0};
+  Color emission{0};  ///< radiance along the normal
+};
+
+}  // namespace rayfarm

@@ -1,0 +1,42 @@
+#pragma once
+// Sample points on the unit square (Shirley, Sung and Brown 1991, section 2.2.1), one pattern for each pair
+// of dimensions: screen, lens, and what happens at each bounce. The pairs of one sample are linked at random,
+// which Cook calls uncorrelated jittering. A point is a function of (seed, frame, pixel, sample, dimension)
+// alone.
+#include <vector>
+
+#include "common/math/vector.h"
+#include "common/sampling/random.h"
+#include "common/scene/render_settings.h"
+
+namespace rayfarm {
+
+/// Rows and columns of a pixel's strata: columns × rows = samples, as square as the number allows.
+struct Strata {
+  uint32_t columns = 1, rows = 1;
+};
+Strata make_strata(uint32_t samples);
+
+class Sampler {
+ public:
+  Sampler(const RenderSettings& settings, int frame);
+
+  /// The sample's point in [0, 1)². In the pattern's own order on the screen; in other dimensions the order
+  /// of the cells is random.
+  Vec2 point(const SampleId& id, uint32_t dimension) const;
+
+  int frame() const { return frame_; }
+
+  /// The most samples that Poisson disks can be laid out for.
+  static constexpr uint32_t kMostPoissonSamples = 1024;
+
+ private:
+  SamplingPattern pattern_;
+  uint32_t samples_;
+  uint64_t seed_;
+  int frame_;
+  Strata strata_;
+  std::vector<Vec2> poisson_;
+};
+
+}  // namespace rayfarm

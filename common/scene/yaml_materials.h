@@ -1,0 +1,10 @@
+#pragma once
+// Materials and lights of the YAML format. scenes/README.md is the manual.
+#include "common/scene/yaml_reader.h"
+
+namespace rayfarm {
+
+MaterialDescription read_material(const std::string& name, const YamlValue& value);
+Light read_light(const YamlValue& value);
+
+}  // namespace rayfarm
