@@ -112,6 +112,11 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
                                {"poisson", SamplingPattern::poisson},
                                {"corners", SamplingPattern::corners}},
                               "pattern of the samples (default: sobol)");
+  add_choice<ColourModel>(
+      render, "--colour", o.settings.colour,
+      {{"rgb", ColourModel::rgb}, {"meyer4", ColourModel::meyer4}, {"spectral20", ColourModel::spectral20}},
+      "what colours are computed as: red, green and blue, or spectra at 4 or 20 "
+      "wavelengths (default: rgb)");
   add_choice<FilterKind>(render, "--filter", o.settings.filter,
                          {{"box", FilterKind::box},
                           {"tent", FilterKind::tent},

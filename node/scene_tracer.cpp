@@ -9,7 +9,10 @@ namespace {
 class SceneTracer : public SubpolygonTracer {
  public:
   SceneTracer(const JobPlan& plan, std::span<const std::byte> block)
-      : scene_(decode_scene(block)), settings_(decode_settings(plan.settings)), frame_pose_(scene_) {}
+      : scene_(decode_scene(block)),
+        settings_(decode_settings(plan.settings)),
+        coloured_(make_coloured_scenes(scene_, settings_.colour)),
+        frame_pose_(scene_) {}
 
   Traced trace(int frame, const DisplayPolygon& polygon, const std::function<void()>& pulse) override {
     if (!has_frame_ || frame != frame_) {
@@ -20,7 +23,7 @@ class SceneTracer : public SubpolygonTracer {
       has_frame_ = true;
     }
     const PixelRect rect{polygon.left, polygon.top, polygon.right + 1, polygon.bottom + 1};
-    RenderedPixels rendered = render_rect(scene_, pose_, camera_, settings_, frame, rect, pulse);
+    RenderedPixels rendered = render_rect(coloured_, pose_, camera_, settings_, frame, rect, pulse);
     const RayCounts& c = rendered.counts;
     return {std::move(rendered.pixels), {c.primary, c.shadow, c.reflected, c.transmitted, c.diffuse}};
   }
@@ -28,6 +31,7 @@ class SceneTracer : public SubpolygonTracer {
  private:
   Scene scene_;
   RenderSettings settings_;
+  std::vector<ColouredScene> coloured_;
   FramePose frame_pose_;
   Pose pose_;
   Camera camera_;

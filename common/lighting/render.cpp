@@ -26,9 +26,35 @@ class Pulse {
   size_t rays_ = 0;
 };
 
+/// Traces eye rays in all passes of a colour model.
+class Tracer {
+ public:
+  Tracer(std::span<const ColouredScene> scenes, const Pose& pose, const RenderSettings& settings, int frame)
+      : scenes_(scenes) {
+    for (const ColouredScene& scene : scenes) contexts_.emplace_back(scene.scene(), pose, settings, frame);
+  }
+  const Sampler& sampler() const { return contexts_.front().sampler; }
+
+  void trace(std::span<const Ray> rays, std::span<const SampleId> ids, RayCounts& counts,
+             Color* colors) const {
+    trace_eye_rays(contexts_.front(), rays, ids, counts, colors);
+    if (scenes_.front().pass().is_rgb) return;
+    for (size_t i = 0; i < rays.size(); ++i) colors[i] = scenes_.front().pass().rgb_from_channels * colors[i];
+    std::array<Color, kMostPacketRays> channels;
+    for (size_t p = 1; p < scenes_.size(); ++p) {
+      trace_eye_rays(contexts_[p], rays, ids, counts, channels.data());
+      for (size_t i = 0; i < rays.size(); ++i) colors[i] += scenes_[p].pass().rgb_from_channels * channels[i];
+    }
+  }
+
+ private:
+  std::span<const ColouredScene> scenes_;
+  std::vector<FrameContext> contexts_;
+};
+
 }  // namespace
 
-RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& camera,
+RenderedPixels render_rect(std::span<const ColouredScene> scenes, const Pose& pose, const Camera& camera,
                            const RenderSettings& settings, int frame, const PixelRect& rect,
                            const std::function<void()>& callback) {
   RenderedPixels result;
@@ -36,7 +62,7 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
   result.pixels.resize(static_cast<size_t>(rect.area()) * stride);
   std::byte* out = result.pixels.data();
   Pulse pulse(callback);
-  const FrameContext context(scene, pose, settings, frame);
+  const Tracer tracer(scenes, pose, settings, frame);
 
   if (settings.sampling == SamplingPattern::corners) {
     // Rays through the pixels' corners, shared by the four pixels around each (thesis 2.3.2). Two rows are
@@ -56,8 +82,7 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
         ids.push_back({x, y, 0});
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
         RayCounts repeated;
-        trace_eye_rays(context, rays.span(), ids.span(), owns(x) ? result.counts : repeated,
-                       &row[i + 1 - rays.size()]);
+        tracer.trace(rays.span(), ids.span(), owns(x) ? result.counts : repeated, &row[i + 1 - rays.size()]);
         pulse.count_rays(rays.size());
         rays.clear();
         ids.clear();
@@ -86,11 +111,11 @@ RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& c
         for (int y = block.y0; y < block.y1; ++y)
           for (int x = block.x0; x < block.x1; ++x) {
             const SampleId& id = ids.push_back({x, y, sample});
-            const PixelFilter::Place place = filter.sample(context.sampler.point(id, dimension::kScreen));
+            const PixelFilter::Place place = filter.sample(tracer.sampler().point(id, dimension::kScreen));
             rays.push_back(camera.ray(x + 0.5 + place.offset.x, y + 0.5 + place.offset.y));
             weights.push_back(place.weight);
           }
-        trace_eye_rays(context, rays.span(), ids.span(), result.counts, colors.data());
+        tracer.trace(rays.span(), ids.span(), result.counts, colors.data());
         for (size_t i = 0; i < rays.size(); ++i) sums[i] += weights[i] * colors[i];
         pulse.count_rays(rays.size());
       }

@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "common/lighting/coloured_scene.h"
 #include "common/lighting/lighting_tree.h"
 #include "common/scene/camera.h"
 
@@ -15,8 +16,9 @@ struct RenderedPixels {
   RayCounts counts;
 };
 
-/// Renders `rect` of `frame`. `pulse` is called between rays, often; what it throws ends the work.
-RenderedPixels render_rect(const Scene& scene, const Pose& pose, const Camera& camera,
+/// Renders `rect` of `frame`; `scenes` are the passes of the settings' colour model. `pulse` is called
+/// between rays, often; what it throws ends the work.
+RenderedPixels render_rect(std::span<const ColouredScene> scenes, const Pose& pose, const Camera& camera,
                            const RenderSettings& settings, int frame, const PixelRect& rect,
                            const std::function<void()>& pulse);
 

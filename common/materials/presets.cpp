@@ -38,9 +38,14 @@ using Named = std::pair<std::string, Value>;
 const std::array<Named<std::span<const Constant>>, 4> kConductors{
     {{"aluminium", kAluminium}, {"copper", kCopper}, {"gold", kGold}, {"silver", kSilver}}};
 
-// E. Hecht, Optics, table 4.1; glass: Schott's N-BK7, flint: SF11, from their catalogue.
-const std::array<Named<double>, 5> kDielectrics{
-    {{"diamond", 2.417}, {"flint", 1.7847}, {"glass", 1.5168}, {"ice", 1.309}, {"water", 1.333}}};
+// Glass and flint: Schott's N-BK7 and SF11, from their catalogue. Water and ice: Hecht, Optics, table 4.1;
+// diamond also; Abbe numbers from the indices at 486 and 656 nm (water: 1.3371, 1.3311;
+// diamond: 2.4354, 2.4100).
+const std::array<Named<DielectricConstants>, 5> kDielectrics{{{"diamond", {2.417, 55.8}},
+                                                              {"flint", {1.7847, 25.76}},
+                                                              {"glass", {1.5168, 64.17}},
+                                                              {"ice", {1.309, 0}},
+                                                              {"water", {1.333, 55.5}}}};
 
 template <typename Table>
 std::vector<std::string> names_of(const Table& table) {
@@ -51,23 +56,23 @@ std::vector<std::string> names_of(const Table& table) {
 
 }  // namespace
 
-std::optional<ConductorConstants> find_conductor(const std::string& name) {
-  for (const auto& [known, table] : kConductors) {
-    if (known != name) continue;
-    const Constant red = at_wavelength(table, 630), green = at_wavelength(table, 532),
-                   blue = at_wavelength(table, 465);
-    return ConductorConstants{{red.n, green.n, blue.n}, {red.k, green.k, blue.k}};
-  }
+std::optional<uint32_t> find_conductor(const std::string& name) {
+  for (uint32_t i = 0; i < kConductors.size(); ++i)
+    if (kConductors[i].first == name) return i;
   return std::nullopt;
+}
+ConductorConstants conductor_at(uint32_t metal, double wavelength_nm) {
+  const Constant c = at_wavelength(kConductors.at(metal).second, wavelength_nm);
+  return {c.n, c.k};
 }
 const std::vector<std::string>& conductor_names() {
   static const std::vector<std::string> names = names_of(kConductors);
   return names;
 }
 
-std::optional<double> find_dielectric(const std::string& name) {
-  for (const auto& [known, index] : kDielectrics)
-    if (known == name) return index;
+std::optional<DielectricConstants> find_dielectric(const std::string& name) {
+  for (const auto& [known, constants] : kDielectrics)
+    if (known == name) return constants;
   return std::nullopt;
 }
 const std::vector<std::string>& dielectric_names() {

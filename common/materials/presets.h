@@ -1,22 +1,26 @@
 #pragma once
 // Measured constants of named materials.
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/math/vector.h"
-
 namespace rayfarm {
 
-/// Complex index of refraction at 630, 532 and 465 nm, the dominant wavelengths of the three channels.
+/// Complex index of refraction at one wavelength.
 struct ConductorConstants {
-  Color n, k;
+  double n, k;
 };
-std::optional<ConductorConstants> find_conductor(const std::string& name);
+/// A metal's number, if it is known.
+std::optional<uint32_t> find_conductor(const std::string& name);
+ConductorConstants conductor_at(uint32_t metal, double wavelength_nm);
 const std::vector<std::string>& conductor_names();
 
-/// Index of refraction at 589 nm.
-std::optional<double> find_dielectric(const std::string& name);
+/// Index of refraction at 587.6 nm, and Abbe number.
+struct DielectricConstants {
+  double index, abbe;
+};
+std::optional<DielectricConstants> find_dielectric(const std::string& name);
 const std::vector<std::string>& dielectric_names();
 
 }  // namespace rayfarm

@@ -11,6 +11,7 @@ namespace rayfarm {
 
 enum class LightingModel : uint8_t { phong, torrance_sparrow, whitted, thesis, path };
 enum class SamplingPattern : uint8_t { sobol, regular, jittered, uncorrelated, n_rooks, poisson, corners };
+enum class ColourModel : uint8_t { rgb, meyer4, spectral20 };
 enum class FilterKind : uint8_t { box, tent, gaussian, mitchell };
 
 /// A half-open rectangle of pixels, origin top left.
@@ -33,6 +34,7 @@ struct RenderSettings {
   LightingModel lighting = LightingModel::whitted;
   SamplingPattern sampling = SamplingPattern::sobol;
   FilterKind filter = FilterKind::box;
+  ColourModel colour = ColourModel::rgb;
   uint32_t samples = 1;       ///< per pixel
   uint32_t max_depth = 5;     ///< of the lighting tree, or of a path; the eye ray is depth 1
   double min_weight = 1e-6;   ///< rays that would contribute less are not traced; 0: no cut-off
@@ -45,7 +47,7 @@ struct RenderSettings {
 
   template <typename Archive>
   void serialize(Archive& archive) {
-    archive(width_px, height_px, crop, lighting, sampling, filter, samples, max_depth, min_weight,
+    archive(width_px, height_px, crop, lighting, sampling, filter, colour, samples, max_depth, min_weight,
             diffuse_rays, diffuse_reach, diffuse_contrast, seed, pixel_format);
   }
 };

@@ -133,7 +133,8 @@ struct SceneHeader {
   ChildRef object_root;      ///< of the object part's boxes, in object_part_nodes
   uint32_t is_animated = 0;  ///< 1 if any object moves: poses are then set per frame
   uint32_t first_luminaire = 0;
-  double far_away = 1;  ///< a distance that leads out of the scene from anywhere in it
+  Mat3 channels_from_rgb{1};  ///< of the colour pass; for what is only known while rays are traced: textures
+  double far_away = 1;        ///< a distance that leads out of the scene from anywhere in it
 };
 
 /// Every array of the block. The order here is the order in the block.

@@ -9,6 +9,7 @@
 #include <new>
 #include <sstream>
 
+#include "common/materials/presets.h"
 #include "common/scene/animation.h"
 
 namespace rayfarm {

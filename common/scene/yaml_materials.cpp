@@ -7,6 +7,7 @@
 #include "common/materials/fresnel.h"
 #include "common/materials/presets.h"
 #include "common/materials/scattering.h"
+#include "common/materials/spectrum.h"
 #include "common/math/portable_math.h"
 
 namespace rayfarm {
@@ -60,12 +61,16 @@ void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
 void read_conductor(const YamlValue& value, MaterialDescription& m) {
   const auto use_preset = [&m](const YamlValue& at) {
     const std::string name = at.text();
-    const auto constants = find_conductor(name);
-    if (!constants)
+    const auto metal = find_conductor(name);
+    if (!metal)
       at.fail(fmt::format("unknown metal '{}'{}; known: {}, or give n and k", name.substr(0, 40),
                           suggestion(name, conductor_names()), fmt::join(conductor_names(), ", ")));
-    m.n = constants->n;
-    m.k = constants->k;
+    m.metal = *metal;
+    for (int c = 0; c < 3; ++c) {
+      const ConductorConstants constants = conductor_at(*metal, ColourPass{}.wavelengths_nm[c]);
+      m.n[c] = constants.n;
+      m.k[c] = constants.k;
+    }
   };
   if (!value.is_map()) {
     use_preset(value);
@@ -88,11 +93,12 @@ void read_dielectric(const YamlValue& value, MaterialDescription& m) {
   m.index = 1.5;
   if (!value.is_map()) {
     const std::string name = value.text();
-    const auto index = find_dielectric(name);
-    if (!index)
+    const auto constants = find_dielectric(name);
+    if (!constants)
       value.fail(fmt::format("unknown substance '{}'{}; known: {}, or give an index", name.substr(0, 40),
                              suggestion(name, dielectric_names()), fmt::join(dielectric_names(), ", ")));
-    m.index = *index;
+    m.index = constants->index;
+    m.abbe = constants->abbe;
   } else {
     YamlMap map(value);
     m.index = map.require("index").number_in(1e-3, 1e3);
@@ -101,6 +107,7 @@ void read_dielectric(const YamlValue& value, MaterialDescription& m) {
       require_energy(*filter, false, max_component(m.filter), "`filter`");
     }
     m.exponent = read_exponent(map);
+    if (auto abbe = map.find("abbe")) m.abbe = abbe->number_in(1, 1e6);
     if (auto priority = map.find("priority")) m.priority = priority->whole_number_in(-1000, 1000);
     map.finish();
   }

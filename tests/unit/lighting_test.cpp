@@ -210,7 +210,8 @@ TEST(Render, CornersAreSharedAndCountedOnce) {
   settings.sampling = SamplingPattern::corners;
   const Camera camera = make_camera(compiled.scene, 0, 24, 24);
   const auto render = [&](const PixelRect& rect) {
-    return render_rect(compiled.scene, pose, camera, settings, 0, rect, [] {});
+    return render_rect(make_coloured_scenes(compiled.scene, settings.colour), pose, camera, settings, 0, rect,
+                       [] {});
   };
   const RenderedPixels whole = render(settings.crop);
   EXPECT_EQ(whole.counts.primary, 25u * 25u);

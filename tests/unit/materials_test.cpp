@@ -7,6 +7,7 @@
 #include "common/materials/fresnel.h"
 #include "common/materials/presets.h"
 #include "common/materials/scattering.h"
+#include "common/materials/spectrum.h"
 #include "common/sampling/random.h"
 #include "common/sampling/warps.h"
 
@@ -48,8 +49,12 @@ TEST(Fresnel, ConductorAgreesWithItsLimits) {
 
 TEST(Presets, MetalsHaveTheirColours) {
   const auto reflectance = [](const char* name) {
-    const auto metal = find_conductor(name);
-    return fresnel_conductor(1, metal->n, metal->k);
+    const uint32_t metal = *find_conductor(name);
+    const auto at = [metal](double nm) {
+      const ConductorConstants c = conductor_at(metal, nm);
+      return fresnel_conductor(1, c.n, c.k);
+    };
+    return Color(at(630), at(532), at(465));
   };
   EXPECT_GT(reflectance("gold").x, 1.5 * reflectance("gold").z);
   EXPECT_GT(reflectance("copper").x, 1.2 * reflectance("copper").y);
@@ -57,7 +62,7 @@ TEST(Presets, MetalsHaveTheirColours) {
   EXPECT_GT(reflectance("silver").z, 0.85);
   EXPECT_GT(reflectance("aluminium").y, 0.85);
   EXPECT_FALSE(find_conductor("unobtainium"));
-  EXPECT_NEAR(*find_dielectric("water"), 1.333, 1e-9);
+  EXPECT_NEAR(find_dielectric("water")->index, 1.333, 1e-9);
 }
 
 struct Case {
@@ -108,6 +113,40 @@ Interaction interaction(const Case& c, double cosine) {
 Vec2 random_point(uint32_t i, uint32_t purpose) {
   const auto r = random_pair(5, 0, {0, 0, i}, purpose);
   return {r[0], r[1]};
+}
+
+TEST(Spectrum, ColoursComeBackFromTheirSpectra) {
+  for (const ColourModel model : {ColourModel::meyer4, ColourModel::spectral20})
+    for (const bool is_dispersive : {false, true})
+      for (const Color& rgb :
+           {Color(1), Color(0.5), Color(1, 0, 0), Color(0.2, 0.7, 0.3), Color(0, 0, 1), Color(0)}) {
+        Color back(0);
+        for (const ColourPass& pass : make_passes(model, is_dispersive))
+          back += pass.rgb_from_channels * (pass.channels_from_rgb * rgb);
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(back[c], rgb[c], 1e-9);
+      }
+  EXPECT_EQ(make_passes(ColourModel::spectral20, false).size(), 7u);
+  EXPECT_EQ(make_passes(ColourModel::spectral20, true).size(), 20u);
+  EXPECT_EQ(make_passes(ColourModel::meyer4, false).size(), 2u);
+  EXPECT_EQ(make_passes(ColourModel::rgb, true).size(), 1u);
+}
+
+TEST(Spectrum, ReflectancesStayBetweenNothingAndAll) {
+  for (const ColourPass& pass : make_passes(ColourModel::spectral20, true))
+    for (const Color& rgb :
+         {Color(1, 0, 0), Color(0, 1, 0), Color(0, 0, 1), Color(1, 1, 0), Color(0, 1, 1)}) {
+      const double value = (pass.channels_from_rgb * rgb).x;
+      EXPECT_GT(value, -0.35) << pass.wavelengths_nm.x;
+      EXPECT_LT(value, 1.35) << pass.wavelengths_nm.x;
+    }
+}
+
+TEST(Spectrum, DispersionFollowsTheAbbeNumber) {
+  const double f = index_at(1.5168, 64.17, 486.1), c = index_at(1.5168, 64.17, 656.3);
+  EXPECT_NEAR(index_at(1.5168, 64.17, 587.6), 1.5168, 1e-12);
+  EXPECT_NEAR((1.5168 - 1) / (f - c), 64.17, 1e-6);
+  EXPECT_NEAR(f, 1.5224, 5e-4);  // Schott's catalogue
+  EXPECT_EQ(index_at(1.5, 0, 400), 1.5);
 }
 
 TEST(Materials, WhiteFurnace) {

@@ -173,8 +173,8 @@ void compare(const std::string& path, int width, int height) {
   settings.crop = {0, 0, width, height};
   settings.pixel_format = PixelFormat::float32;
   const RenderedPixels ours =
-      render_rect(compiled.scene, frame_pose.at(0), make_camera(compiled.scene, 0, width, height), settings,
-                  0, settings.crop, [] {});
+      render_rect(make_coloured_scenes(compiled.scene, settings.colour), frame_pose.at(0),
+                  make_camera(compiled.scene, 0, width, height), settings, 0, settings.crop, [] {});
 
   const ViewDescription& view = description.view;
   const Vec3 eye(view.location.values[0]), forward = normalized(Vec3(view.look_at->values[0]) - eye);
