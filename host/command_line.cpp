@@ -131,6 +131,10 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
       ->add_option("--min-weight", o.settings.min_weight,
                    "do not trace rays that would contribute less (0: no cut-off; default: 1e-6)")
       ->check(CLI::Range(0.0, 1.0));
+  render
+      ->add_option("--shutter", o.settings.shutter,
+                   "how long it is open, in frames: what moves is blurred (default: 0)")
+      ->check(CLI::Range(0.0, 1000.0));
   render->add_option("--seed", o.settings.seed, "of the random numbers (default: 0)");
   render
       ->add_option_function<std::string>(
@@ -205,6 +209,8 @@ void check_render(const RenderOptions& o) {
         "--sampling poisson lays out at most {} samples; use sobol for more", Sampler::kMostPoissonSamples));
   if (o.settings.sampling == SamplingPattern::corners && o.settings.filter != FilterKind::box)
     throw CLI::ValidationError("--sampling corners weighs the four corners alike; leave --filter at box");
+  if (o.settings.sampling == SamplingPattern::corners && o.settings.shutter > 0)
+    throw CLI::ValidationError("--sampling corners takes one ray per corner, too few for --shutter");
   if (o.settings.sampling == SamplingPattern::corners && o.settings.samples != 1)
     throw CLI::ValidationError("--sampling corners takes one ray per corner; leave --samples at 1");
   if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)

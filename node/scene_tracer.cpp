@@ -12,18 +12,17 @@ class SceneTracer : public SubpolygonTracer {
       : scene_(decode_scene(block)),
         settings_(decode_settings(plan.settings)),
         coloured_(make_coloured_scenes(scene_, settings_.colour)),
-        frame_pose_(scene_) {}
+        moments_(scene_) {}
 
   Traced trace(int frame, const DisplayPolygon& polygon, const std::function<void()>& pulse) override {
     if (!has_frame_ || frame != frame_) {
       has_frame_ = false;  // stays so if the frame can't be set up
-      pose_ = frame_pose_.at(frame);
-      camera_ = make_camera(scene_, frame, settings_.width_px, settings_.height_px);
+      now_ = moments_.at(frame, settings_);
       frame_ = frame;
       has_frame_ = true;
     }
     const PixelRect rect{polygon.left, polygon.top, polygon.right + 1, polygon.bottom + 1};
-    RenderedPixels rendered = render_rect(coloured_, pose_, camera_, settings_, frame, rect, pulse);
+    RenderedPixels rendered = render_rect(coloured_, now_, settings_, frame, rect, pulse);
     const RayCounts& c = rendered.counts;
     return {std::move(rendered.pixels), {c.primary, c.shadow, c.reflected, c.transmitted, c.diffuse}};
   }
@@ -32,9 +31,8 @@ class SceneTracer : public SubpolygonTracer {
   Scene scene_;
   RenderSettings settings_;
   std::vector<ColouredScene> coloured_;
-  FramePose frame_pose_;
-  Pose pose_;
-  Camera camera_;
+  Moments moments_;
+  std::span<const Moment> now_;
   int frame_ = 0;
   bool has_frame_ = false;
 };

@@ -1,16 +1,15 @@
 #pragma once
-// What stays the same for all rays of a frame.
+// What stays the same for all rays of one moment.
 #include "common/lighting/diffuse_directions.h"
 #include "common/lighting/surface.h"
 #include "common/sampling/sampler.h"
 
 namespace rayfarm {
 
-struct FrameContext {
-  FrameContext(const Scene& of_scene, const Pose& at_pose, const RenderSettings& with, int frame)
-      : scene(of_scene),
-        pose(at_pose),
-        settings(with),
+/// What is laid out once for all rays.
+struct SamplingTables {
+  SamplingTables(const RenderSettings& with, int frame)
+      : settings(with),
         sampler(with, frame),
         diffuse_directions(with.lighting == LightingModel::thesis
                                ? with.diffuse_rays * samples_that_share_directions(with)
@@ -22,11 +21,15 @@ struct FrameContext {
     return settings.sampling == SamplingPattern::corners ? 4 : settings.samples;
   }
 
-  const Scene& scene;
-  const Pose& pose;
   const RenderSettings& settings;
   Sampler sampler;
   DiffuseDirections diffuse_directions;
+};
+
+struct FrameContext {
+  const Scene& scene;
+  const Pose& pose;
+  const SamplingTables& tables;
 };
 
 }  // namespace rayfarm

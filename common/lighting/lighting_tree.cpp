@@ -31,10 +31,10 @@ struct Branch {
 class LightingTree {
  public:
   LightingTree(const FrameContext& context, RayCounts& counts)
-      : context_(context),
+      : tables_(context.tables),
         scene_(context.scene),
         pose_(context.pose),
-        settings_(context.settings),
+        settings_(context.tables.settings),
         counts_(counts),
         has_secondary_(settings_.lighting == LightingModel::whitted ||
                        settings_.lighting == LightingModel::thesis) {}
@@ -135,7 +135,7 @@ class LightingTree {
   Vec2 light_point(const Shaded& s, uint32_t light) const {
     if (!has_extent(scene_.lights[light])) return Vec2(0);
     const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{s.branch.stream} << 32 | light));
-    return context_.sampler.point(s.branch.id, stream << 8 | dimension::kLightPoint);
+    return tables_.sampler.point(s.branch.id, stream << 8 | dimension::kLightPoint);
   }
 
   void add_light(const Facing& facing) const {
@@ -222,8 +222,8 @@ class LightingTree {
   /// Light from secondary sources (Equation 3.6a, second term): this sample's part of the pixel's directions,
   /// and one more between neighbours that differ (3.3).
   void add_diffuse_light(const Shaded& s, uint32_t depth) {
-    const auto directions = context_.diffuse_directions.about_y();
-    const auto samples = FrameContext::samples_that_share_directions(settings_);
+    const auto directions = tables_.diffuse_directions.about_y();
+    const auto samples = SamplingTables::samples_that_share_directions(settings_);
     const Color share = (s.material->diffuse / settings_.diffuse_rays) * s.material->color;
     if (!(s.branch.weight * max_component(share) >= settings_.min_weight) || max_component(share) == 0)
       return;
@@ -236,7 +236,7 @@ class LightingTree {
       pixel.y &= ~1;
     }
     pixel.sample = 0;
-    const auto r = random_pair(settings_.seed, context_.sampler.frame(), pixel,
+    const auto r = random_pair(settings_.seed, tables_.sampler.frame(), pixel,
                                s.branch.stream << 8 | dimension::kPattern);
     const double turn = 2 * std::numbers::pi * r[0];
     const uint32_t part = permuted(sample, samples, static_cast<uint64_t>(r[1] * 0x1p53));
@@ -278,7 +278,7 @@ class LightingTree {
     }
   }
 
-  const FrameContext& context_;
+  const SamplingTables& tables_;
   const Scene& scene_;
   const Pose& pose_;
   const RenderSettings& settings_;
@@ -291,7 +291,7 @@ class LightingTree {
 void trace_eye_rays(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
                     RayCounts& counts, Color* colors) {
   counts.primary += rays.size();
-  if (context.settings.lighting == LightingModel::path) {
+  if (context.tables.settings.lighting == LightingModel::path) {
     trace_paths(context, rays, ids, counts, colors);
     return;
   }

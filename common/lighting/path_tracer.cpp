@@ -28,8 +28,8 @@ class PathTracer {
   PathTracer(const FrameContext& context, RayCounts& counts)
       : scene_(context.scene),
         pose_(context.pose),
-        settings_(context.settings),
-        sampler_(context.sampler),
+        settings_(context.tables.settings),
+        sampler_(context.tables.sampler),
         counts_(counts) {}
 
   void trace(std::span<const Ray> rays, std::span<const SampleId> ids, Color* colors) {

@@ -2,6 +2,7 @@
 
 #include "common/math/inline_vector.h"
 #include "common/sampling/pixel_filter.h"
+#include "common/sampling/warps.h"
 
 namespace rayfarm {
 namespace {
@@ -29,32 +30,39 @@ class Pulse {
 /// Traces eye rays in all passes of a colour model.
 class Tracer {
  public:
-  Tracer(std::span<const ColouredScene> scenes, const Pose& pose, const RenderSettings& settings, int frame)
-      : scenes_(scenes) {
-    for (const ColouredScene& scene : scenes) contexts_.emplace_back(scene.scene(), pose, settings, frame);
-  }
-  const Sampler& sampler() const { return contexts_.front().sampler; }
+  Tracer(std::span<const ColouredScene> scenes, const SamplingTables& tables)
+      : scenes_(scenes), tables_(tables) {}
 
-  void trace(std::span<const Ray> rays, std::span<const SampleId> ids, RayCounts& counts,
+  void trace(const Pose& pose, std::span<const Ray> rays, std::span<const SampleId> ids, RayCounts& counts,
              Color* colors) const {
-    trace_eye_rays(contexts_.front(), rays, ids, counts, colors);
+    trace_eye_rays({scenes_.front().scene(), pose, tables_}, rays, ids, counts, colors);
     if (scenes_.front().pass().is_rgb) return;
     for (size_t i = 0; i < rays.size(); ++i) colors[i] = scenes_.front().pass().rgb_from_channels * colors[i];
     std::array<Color, kMostPacketRays> channels;
-    for (size_t p = 1; p < scenes_.size(); ++p) {
-      trace_eye_rays(contexts_[p], rays, ids, counts, channels.data());
-      for (size_t i = 0; i < rays.size(); ++i) colors[i] += scenes_[p].pass().rgb_from_channels * channels[i];
+    for (const ColouredScene& scene : scenes_.subspan(1)) {
+      trace_eye_rays({scene.scene(), pose, tables_}, rays, ids, counts, channels.data());
+      for (size_t i = 0; i < rays.size(); ++i) colors[i] += scene.pass().rgb_from_channels * channels[i];
     }
   }
 
  private:
   std::span<const ColouredScene> scenes_;
-  std::vector<FrameContext> contexts_;
+  const SamplingTables& tables_;
 };
+
+/// The moment of a sample. All pixels of a block share it, so that their rays stay together; blocks stand
+/// where they do in every picture, however it is cut.
+size_t moment_of(size_t moments, const RenderSettings& settings, int frame, int block_x, int block_y,
+                 uint32_t sample) {
+  if (moments == 1) return 0;
+  const auto r = random_pair(settings.seed, frame, {block_x, block_y, 0}, dimension::kTime);
+  const uint32_t stratum = permuted(sample, settings.samples, static_cast<uint64_t>(r[1] * 0x1p53));
+  return static_cast<size_t>((stratum + r[0]) / settings.samples * static_cast<double>(moments));
+}
 
 }  // namespace
 
-RenderedPixels render_rect(std::span<const ColouredScene> scenes, const Pose& pose, const Camera& camera,
+RenderedPixels render_rect(std::span<const ColouredScene> scenes, std::span<const Moment> moments,
                            const RenderSettings& settings, int frame, const PixelRect& rect,
                            const std::function<void()>& callback) {
   RenderedPixels result;
@@ -62,7 +70,12 @@ RenderedPixels render_rect(std::span<const ColouredScene> scenes, const Pose& po
   result.pixels.resize(static_cast<size_t>(rect.area()) * stride);
   std::byte* out = result.pixels.data();
   Pulse pulse(callback);
-  const Tracer tracer(scenes, pose, settings, frame);
+  const SamplingTables tables(settings, frame);
+  const Tracer tracer(scenes, tables);
+  const auto eye_ray = [&](const Camera& camera, const SampleId& id, double x, double y) {
+    return camera.has_lens() ? camera.ray(x, y, sample_disk(tables.sampler.point(id, dimension::kLens)))
+                             : camera.ray(x, y);
+  };
 
   if (settings.sampling == SamplingPattern::corners) {
     // Rays through the pixels' corners, shared by the four pixels around each (thesis 2.3.2). Two rows are
@@ -78,11 +91,12 @@ RenderedPixels render_rect(std::span<const ColouredScene> scenes, const Pose& po
         const auto owns = [&](int column) {
           return (column < rect.x1 || column == settings.crop.x1) && (y < rect.y1 || y == settings.crop.y1);
         };
-        rays.push_back(camera.ray(x, y));
-        ids.push_back({x, y, 0});
+        const SampleId& id = ids.push_back({x, y, 0});
+        rays.push_back(eye_ray(moments.front().camera, id, x, y));
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
         RayCounts repeated;
-        tracer.trace(rays.span(), ids.span(), owns(x) ? result.counts : repeated, &row[i + 1 - rays.size()]);
+        tracer.trace(moments.front().pose, rays.span(), ids.span(), owns(x) ? result.counts : repeated,
+                     &row[i + 1 - rays.size()]);
         pulse.count_rays(rays.size());
         rays.clear();
         ids.clear();
@@ -98,24 +112,25 @@ RenderedPixels render_rect(std::span<const ColouredScene> scenes, const Pose& po
   }
 
   const PixelFilter filter(settings.filter);
-  for (int y0 = rect.y0; y0 < rect.y1; y0 += kBlockHeight_px)
-    for (int x0 = rect.x0; x0 < rect.x1; x0 += kBlockWidth_px) {
-      const PixelRect block{x0, y0, std::min(x0 + kBlockWidth_px, rect.x1),
-                            std::min(y0 + kBlockHeight_px, rect.y1)};
+  for (int y0 = rect.y0 / kBlockHeight_px * kBlockHeight_px; y0 < rect.y1; y0 += kBlockHeight_px)
+    for (int x0 = rect.x0 / kBlockWidth_px * kBlockWidth_px; x0 < rect.x1; x0 += kBlockWidth_px) {
+      const PixelRect block{std::max(x0, rect.x0), std::max(y0, rect.y0),
+                            std::min(x0 + kBlockWidth_px, rect.x1), std::min(y0 + kBlockHeight_px, rect.y1)};
       std::array<Color, kMostPacketRays> sums, colors;
       sums.fill(Color(0));
       for (uint32_t sample = 0; sample < settings.samples; ++sample) {
+        const Moment& moment = moments[moment_of(moments.size(), settings, frame, x0, y0, sample)];
         InlineVector<Ray, kMostPacketRays> rays;
         InlineVector<SampleId, kMostPacketRays> ids;
         InlineVector<double, kMostPacketRays> weights;
         for (int y = block.y0; y < block.y1; ++y)
           for (int x = block.x0; x < block.x1; ++x) {
             const SampleId& id = ids.push_back({x, y, sample});
-            const PixelFilter::Place place = filter.sample(tracer.sampler().point(id, dimension::kScreen));
-            rays.push_back(camera.ray(x + 0.5 + place.offset.x, y + 0.5 + place.offset.y));
+            const PixelFilter::Place place = filter.sample(tables.sampler.point(id, dimension::kScreen));
+            rays.push_back(eye_ray(moment.camera, id, x + 0.5 + place.offset.x, y + 0.5 + place.offset.y));
             weights.push_back(place.weight);
           }
-        tracer.trace(rays.span(), ids.span(), result.counts, colors.data());
+        tracer.trace(moment.pose, rays.span(), ids.span(), result.counts, colors.data());
         for (size_t i = 0; i < rays.size(); ++i) sums[i] += weights[i] * colors[i];
         pulse.count_rays(rays.size());
       }

@@ -5,7 +5,7 @@
 
 #include "common/lighting/coloured_scene.h"
 #include "common/lighting/lighting_tree.h"
-#include "common/scene/camera.h"
+#include "common/lighting/moments.h"
 
 namespace rayfarm {
 
@@ -16,9 +16,10 @@ struct RenderedPixels {
   RayCounts counts;
 };
 
-/// Renders `rect` of `frame`; `scenes` are the passes of the settings' colour model. `pulse` is called
+/// Renders `rect` of `frame`; `scenes` are the passes of the settings' colour model,
+/// `moments` what Moments::at gives. `pulse` is called
 /// between rays, often; what it throws ends the work.
-RenderedPixels render_rect(std::span<const ColouredScene> scenes, const Pose& pose, const Camera& camera,
+RenderedPixels render_rect(std::span<const ColouredScene> scenes, std::span<const Moment> moments,
                            const RenderSettings& settings, int frame, const PixelRect& rect,
                            const std::function<void()>& pulse);
 

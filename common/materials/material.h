@@ -32,8 +32,9 @@ struct Material {
   double exponent = 0;
   Color n{1}, k{0};              ///< complex index of refraction of a conductor
   uint32_t metal = 0xffffffffu;  ///< whose n and k these are (materials/presets.h); ~0: given by number
-  double abbe = 0;               ///< dispersion of a dielectric: its Abbe number; 0: none
-  Color filter{1};               ///< what is left of light after one unit of length in a dielectric
+  uint32_t padding = 0;
+  double abbe = 0;  ///< dispersion of a dielectric: its Abbe number; 0: none
+  Color filter{1};  ///< what is left of light after one unit of length in a dielectric
   Color back{0}, through{0};
   Color emission{0};  ///< radiance along the normal
 };

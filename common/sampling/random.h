@@ -14,7 +14,7 @@ struct SampleId {
 
 /// What a pair of sample numbers is used for, so that no two uses share one. A bounce has four pairs.
 namespace dimension {
-inline constexpr uint32_t kScreen = 0, kLens = 1, kPattern = 2, kFirstBounce = 4;
+inline constexpr uint32_t kScreen = 0, kLens = 1, kPattern = 2, kTime = 3, kFirstBounce = 4;
 enum Bounce : uint32_t { kDirection, kLobe, kLight, kLightPoint };
 constexpr uint32_t of_bounce(uint32_t depth, Bounce use) {
   return kFirstBounce + 4 * depth + use;

@@ -26,6 +26,10 @@ Camera make_camera(const Scene& scene, double frame, int width_px, int height_px
   camera.top_left = direction - half_width * right + half_height * up;
   camera.per_x = (2 * half_width / width_px) * right;
   camera.per_y = (-2 * half_height / height_px) * up;
+  camera.right = right;
+  camera.up = up;
+  camera.lens_radius = view.lens_radius;
+  if (view.lens_radius > 0) camera.focus = scene.eval(view.focus, frame).x;
   return camera;
 }
 

@@ -9,6 +9,16 @@ struct Camera {
   Vec3 top_left{0};         ///< direction to the image's top left corner
   Vec3 per_x{0}, per_y{0};  ///< direction change per pixel to the right and down
 
+  // The lens: what is `focus` away in the direction of view is sharp.
+  Vec3 right{0}, up{0};  ///< unit
+  double lens_radius = 0, focus = 1;
+
+  bool has_lens() const { return lens_radius > 0; }
+  /// The eye ray through a point of the unit disk that stands for the lens.
+  Ray ray(double x, double y, const Vec2& lens) const {
+    const Vec3 offset = lens_radius * (lens.x * right + lens.y * up);
+    return {location + offset, normalized(focus * (top_left + x * per_x + y * per_y) - offset)};
+  }
   /// The eye ray through raster position (x, y) in pixels, of unit direction.
   Ray ray(double x, double y) const { return {location, normalized(top_left + x * per_x + y * per_y)}; }
 };

@@ -216,7 +216,9 @@ class Compiler {
     if (view.look_at) head.view.look_at = add_curve(*view.look_at);
     head.view.up = add_curve(view.up);
     head.view.field_of_view = add_curve(view.field_of_view);
+    head.view.focus = add_curve(view.focus);
     head.view.aspect = view.aspect;
+    head.view.lens_radius = view.lens_radius;
     head.background = description_.background;
     head.ambient = description_.ambient;
     arrays_.lights = description_.lights;

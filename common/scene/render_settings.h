@@ -35,6 +35,7 @@ struct RenderSettings {
   SamplingPattern sampling = SamplingPattern::sobol;
   FilterKind filter = FilterKind::box;
   ColourModel colour = ColourModel::rgb;
+  double shutter = 0;         ///< how long it is open, in frames
   uint32_t samples = 1;       ///< per pixel
   uint32_t max_depth = 5;     ///< of the lighting tree, or of a path; the eye ray is depth 1
   double min_weight = 1e-6;   ///< rays that would contribute less are not traced; 0: no cut-off
@@ -47,8 +48,8 @@ struct RenderSettings {
 
   template <typename Archive>
   void serialize(Archive& archive) {
-    archive(width_px, height_px, crop, lighting, sampling, filter, colour, samples, max_depth, min_weight,
-            diffuse_rays, diffuse_reach, diffuse_contrast, seed, pixel_format);
+    archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples, max_depth,
+            min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, seed, pixel_format);
   }
 };
 

@@ -120,9 +120,9 @@ struct InstancePose {
 };
 
 struct ViewRecord {
-  uint32_t location = 0, direction = 0, look_at = kNone, up = 0, field_of_view = 0;  ///< curves
-  uint32_t padding = 0;
+  uint32_t location = 0, direction = 0, look_at = kNone, up = 0, field_of_view = 0, focus = 0;  ///< curves
   double aspect = 1;
+  double lens_radius = 0;
 };
 
 /// What there is one of.

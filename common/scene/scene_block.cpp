@@ -96,7 +96,7 @@ void check_indices(const Scene& s) {
   const auto material = [&](uint32_t m) { require(m < s.materials.size(), "a material"); };
   const auto curve = [&](uint32_t c) { require(c < s.curves.size(), "a curve"); };
   const ViewRecord& view = s.head().view;
-  for (const uint32_t c : {view.location, view.direction, view.up, view.field_of_view}) curve(c);
+  for (const uint32_t c : {view.location, view.direction, view.up, view.field_of_view, view.focus}) curve(c);
   if (view.look_at != kNone) curve(view.look_at);
   require(s.key_frames.size() == s.key_values.size(), "the keys");
   require(s.light_shares.size() == s.lights.size() && s.head().first_luminaire <= s.lights.size(),

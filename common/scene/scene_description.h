@@ -52,6 +52,8 @@ struct ViewDescription {
   std::optional<Curve> look_at;  ///< replaces the direction
   Curve up = constant_curve(Vec4(0, 1, 0, 0));
   Curve field_of_view = constant_curve(Vec4(45, 0, 0, 0));  ///< degrees across the image's width
+  Curve focus = constant_curve(Vec4(1, 0, 0, 0));           ///< distance at which a lens is sharp
+  double lens_radius = 0;                                   ///< 0: a pinhole, all is sharp
   double aspect = 4.0 / 3.0;                                ///< width / height
   std::optional<std::array<int, 2>> resolution_px;
 };

@@ -133,6 +133,16 @@ class Loader {
         if (!(degrees > 0 && degrees < 180)) n.fail("the field of view must be between 0 and 180 degrees");
         return Vec4(degrees, 0, 0, 0);
       });
+    if (auto v = map.find("lens")) {
+      YamlMap lens(*v);
+      view.lens_radius = lens.require("radius").number_in(0, 1e9);
+      view.focus = read_curve(lens.require("focus"), Interpolation::linear, [](const YamlValue& n) {
+        const double distance = n.number();
+        if (!(distance > 0)) n.fail("the distance in focus must be above 0");
+        return Vec4(distance, 0, 0, 0);
+      });
+      lens.finish();
+    }
     if (auto v = map.find("aspect")) view.aspect = v->number_in(1e-3, 1e3);
     if (auto v = map.find("resolution")) {
       const std::vector<YamlValue> size = v->items();

@@ -17,7 +17,8 @@ struct Probe {
   }
   Color mean(const Vec3& origin, const Vec3& direction, uint32_t samples) {
     settings.samples = samples;
-    const FrameContext context(compiled.scene, pose, settings, 0);
+    const SamplingTables tables(settings, 0);
+    const FrameContext context{compiled.scene, pose, tables};
     const Ray ray{origin, normalized(direction)};
     const std::array<Ray, kMostPacketRays> rays{ray, ray, ray, ray, ray, ray, ray, ray};
     Color sum(0);
@@ -342,7 +343,8 @@ TEST(Lighting, SamplesDoNotDependOnTheirPacket) {
     probe.settings.lighting = model;
     probe.settings.max_depth = 5;
     probe.settings.samples = 8;
-    const FrameContext context(probe.compiled.scene, probe.pose, probe.settings, 0);
+    const SamplingTables tables(probe.settings, 0);
+    const FrameContext context{probe.compiled.scene, probe.pose, tables};
     std::vector<Ray> rays;
     std::vector<SampleId> ids;
     for (uint32_t i = 0; i < 8; ++i) {

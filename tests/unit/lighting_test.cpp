@@ -1,4 +1,6 @@
 // Analytic answers: what Equations 2.4 and 2.12 give where they can be worked out by hand.
+#include <cstring>
+
 #include "common/lighting/render.h"
 #include "common/math/portable_math.h"
 #include "tests/unit/test_scene.h"
@@ -13,7 +15,7 @@ struct World {
     const Ray ray{origin, normalized(direction)};
     const SampleId id;
     Color color;
-    trace_eye_rays(FrameContext(compiled.scene, pose, settings, 0), std::span(&ray, 1), std::span(&id, 1),
+    trace_eye_rays({compiled.scene, pose, SamplingTables(settings, 0)}, std::span(&ray, 1), std::span(&id, 1),
                    counts, &color);
     return color;
   }
@@ -202,16 +204,14 @@ TEST(Lighting, MeshesOfAnyScaleShadowThemselvesOnlyWhereTheyShould) {
 
 TEST(Render, CornersAreSharedAndCountedOnce) {
   const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/primitives.yaml"));
-  FramePose frame_pose(compiled.scene);
-  const Pose pose = frame_pose.at(0);
   RenderSettings settings;
   settings.width_px = settings.height_px = 24;
   settings.crop = {0, 0, 24, 24};
   settings.sampling = SamplingPattern::corners;
-  const Camera camera = make_camera(compiled.scene, 0, 24, 24);
+  Moments moments(compiled.scene);
   const auto render = [&](const PixelRect& rect) {
-    return render_rect(make_coloured_scenes(compiled.scene, settings.colour), pose, camera, settings, 0, rect,
-                       [] {});
+    return render_rect(make_coloured_scenes(compiled.scene, settings.colour), moments.at(0, settings),
+                       settings, 0, rect, [] {});
   };
   const RenderedPixels whole = render(settings.crop);
   EXPECT_EQ(whole.counts.primary, 25u * 25u);
@@ -233,6 +233,117 @@ TEST(PixelFormat, SrgbThereAndBack) {
   EXPECT_EQ(encode_srgb8(7), 255);
   EXPECT_EQ(encode_srgb8(std::nan("")), 0);
   EXPECT_EQ(encode_srgb8(0.5), 188);  // IEC 61966-2-1: 1.055 · 0.5^(1/2.4) - 0.055 = 0.7354
+}
+
+/// The pixels of a scene, row-major, linear.
+std::vector<float> render_floats(const CompiledScene& compiled, RenderSettings settings,
+                                 const PixelRect& rect, int frame = 0) {
+  settings.pixel_format = PixelFormat::float32;
+  Moments moments(compiled.scene);
+  const RenderedPixels rendered = render_rect(make_coloured_scenes(compiled.scene, settings.colour),
+                                              moments.at(frame, settings), settings, frame, rect, [] {});
+  std::vector<float> floats(rendered.pixels.size() / 4);
+  std::memcpy(floats.data(), rendered.pixels.data(), rendered.pixels.size());
+  return floats;
+}
+
+TEST(Render, AnyCutGivesTheSamePixelsInEveryModel) {
+  const CompiledScene compiled = compile(test::load_yaml(R"(
+view: {location: {0: [0, 0, 5], 1: [0.2, 0, 5]}, look_at: [0, 0, 0], lens: {radius: 0.1, focus: 5}}
+background: 0.4
+lights: [{position: [3, 4, 5], color: 0.8}]
+materials: {m: {lambertian: [0.7, 0.5, 0.3]}, glass: {dielectric: flint}, lamp: {luminaire: {emission: 3}}}
+scene:
+  - {material: m, transform: {translate: {0: [-1, 0, 0], 1: [-0.6, 0, 0]}}, sphere: {center: [0, 0, 0], radius: 0.8}}
+  - {material: glass, sphere: {center: [0.8, 0, 0.5], radius: 0.7}}
+  - {material: lamp, sphere: {center: [0, 1.6, 0], radius: 0.4}}
+)"));
+  RenderSettings settings;
+  settings.width_px = settings.height_px = 22;
+  settings.crop = {0, 0, 22, 22};
+  settings.samples = 5;
+  settings.shutter = 0.5;
+  for (const LightingModel model : {LightingModel::whitted, LightingModel::thesis, LightingModel::path})
+    for (const ColourModel colour : {ColourModel::rgb, ColourModel::meyer4}) {
+      settings.lighting = model;
+      settings.colour = colour;
+      settings.filter = colour == ColourModel::rgb ? FilterKind::mitchell : FilterKind::tent;
+      const std::vector<float> whole = render_floats(compiled, settings, settings.crop);
+      for (const PixelRect& rect :
+           {PixelRect{0, 0, 7, 5}, PixelRect{7, 3, 22, 22}, PixelRect{13, 9, 14, 10}}) {
+        const std::vector<float> part = render_floats(compiled, settings, rect);
+        for (int y = rect.y0; y < rect.y1; ++y)
+          for (int x = rect.x0; x < rect.x1; ++x)
+            for (int c = 0; c < 3; ++c)
+              ASSERT_EQ(part[static_cast<size_t>(((y - rect.y0) * rect.width() + x - rect.x0) * 3 + c)],
+                        whole[static_cast<size_t>((y * 22 + x) * 3 + c)]);
+      }
+    }
+}
+
+TEST(Render, ALensIsSharpWhereItIsFocused) {
+  // Black and white halves: through a pinhole, and in focus, no pixel but the edge's is grey.
+  const auto grey_pixels = [](const std::string& lens) {
+    const CompiledScene compiled =
+        compile(test::load_yaml("view: {location: [0, 0, 5], look_at: [0, 0, 0]" + lens + R"(}
+ambient: 1
+background: 1
+materials: {black: {color: 0, ambient: 1}}
+scene: [{material: black, polygon: {points: [[0, -9, 0], [9, -9, 0], [9, 9, 0], [0, 9, 0]]}}]
+)"));
+    RenderSettings settings;
+    settings.width_px = settings.height_px = 40;
+    settings.samples = 64;
+    int grey = 0;
+    const std::vector<float> row = render_floats(compiled, settings, {0, 20, 40, 21});
+    for (size_t x = 0; x < 40; ++x) grey += row[3 * x] > 0.05 && row[3 * x] < 0.95 ? 1 : 0;
+    return grey;
+  };
+  EXPECT_LE(grey_pixels(""), 1);
+  EXPECT_LE(grey_pixels(", lens: {radius: 0.5, focus: 5}"), 1);
+  // Focused at 2.5 the edge at 5 is blurred over 2 × 0.5 × (5 - 2.5) / 2.5 = 1 unit: 40 / 4.14 = 10 pixels.
+  EXPECT_NEAR(grey_pixels(", lens: {radius: 0.5, focus: 2.5}"), 9, 2);
+}
+
+TEST(Render, MovingThingsAreBlurred) {
+  // An edge moves 2 units to the right in a frame; the shutter is open for half of it: a ramp one unit wide.
+  const CompiledScene compiled = compile(test::load_yaml(R"(
+view: {location: [0, 0, 5], look_at: [0, 0, 0]}
+background: 1
+materials: {black: {color: 0, ambient: 1}}
+scene: [{material: black, transform: {translate: {0: [0, 0, 0], 1: [2, 0, 0]}}, polygon: {points: [[0, -9, 0], [9, -9, 0], [9, 9, 0], [0, 9, 0]]}}]
+)"));
+  RenderSettings settings;
+  settings.width_px = settings.height_px = 40;
+  settings.samples = 64;
+  settings.shutter = 0.5;
+  const std::vector<float> row = render_floats(compiled, settings, {0, 20, 40, 21});
+  const double unit_px = 40 / (2 * 5 * std::tan(22.5 * M_PI / 180));
+  for (int x = 0; x < 40; ++x) {
+    const double at = (x + 0.5 - 20) / unit_px;  // in units: white is seen until the edge has passed
+    EXPECT_NEAR(row[static_cast<size_t>(3 * x)], std::clamp(1 - at, 0.0, 1.0), 0.06) << x;
+  }
+}
+
+TEST(Render, FlatSpectraLookTheSameInEveryColourModel) {
+  const CompiledScene compiled = compile(test::load_yaml(R"(
+view: {location: [0, 0, 5], look_at: [0, 0, 0]}
+background: [0.3, 0.5, 0.9]
+lights: [{position: [3, 4, 5], color: [1, 0.9, 0.8]}]
+materials: {m: {color: [0.7, 0.5, 0.3]}}
+scene: [{material: m, sphere: {center: [0, 0, 0], radius: 1}}]
+)"));
+  RenderSettings settings;
+  settings.width_px = settings.height_px = 24;
+  const std::vector<float> rgb = render_floats(compiled, settings, {0, 0, 24, 24});
+  for (const ColourModel colour : {ColourModel::meyer4, ColourModel::spectral20}) {
+    settings.colour = colour;
+    const std::vector<float> spectral = render_floats(compiled, settings, {0, 0, 24, 24});
+    // The background is exact; a light on a surface multiplies spectra, which is not what RGB does, but near
+    // it.
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(spectral[c], rgb[c], 1e-6);
+    for (size_t i = 0; i < rgb.size(); ++i) EXPECT_NEAR(spectral[i], rgb[i], 0.03);
+  }
 }
 
 }  // namespace
