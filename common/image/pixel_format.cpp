@@ -8,17 +8,18 @@
 #include "common/math/portable_math.h"
 
 namespace rayfarm {
-namespace {
 
-double linear_of(double encoded) {
+double decode_srgb(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : portable_pow((encoded + 0.055) / 1.055, 2.4);
 }
+
+namespace {
 
 /// thresholds[i]: the smallest linear value that rounds to byte i + 1.
 const std::array<double, 255>& thresholds() {
   static const std::array<double, 255> table = [] {
     std::array<double, 255> t{};
-    for (size_t i = 0; i < t.size(); ++i) t[i] = linear_of((static_cast<double>(i) + 0.5) / 255);
+    for (size_t i = 0; i < t.size(); ++i) t[i] = decode_srgb((static_cast<double>(i) + 0.5) / 255);
     return t;
   }();
   return table;
@@ -47,7 +48,7 @@ uint8_t encode_srgb8(double linear) {
 }
 
 double decode_srgb8(uint8_t byte) {
-  return linear_of(byte / 255.0);
+  return decode_srgb(byte / 255.0);
 }
 
 void encode_pixel(PixelFormat format, const Color& color, std::byte* out) {

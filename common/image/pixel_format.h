@@ -24,6 +24,9 @@ uint8_t encode_srgb8(double linear);
 /// The linear value that an sRGB byte stands for.
 double decode_srgb8(uint8_t byte);
 
+/// The linear value of an encoded one in [0, 1].
+double decode_srgb(double encoded);
+
 /// Writes one colour at `out`, which has bytes_per_pixel(format) bytes.
 void encode_pixel(PixelFormat format, const Color& color, std::byte* out);
 

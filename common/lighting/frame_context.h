@@ -26,10 +26,14 @@ struct SamplingTables {
   DiffuseDirections diffuse_directions;
 };
 
+/// Of diffuse rays, as wide as a few dozen of them are apart.
+constexpr double kDiffuseSpread = 0.1;
+
 struct FrameContext {
   const Scene& scene;
   const Pose& pose;
   const SamplingTables& tables;
+  double spread = 0;  ///< of eye rays: how much wider a pixel's cone gets with each unit of length
 };
 
 }  // namespace rayfarm

@@ -4,6 +4,7 @@
 
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/path_tracer.h"
+#include "common/lighting/textured.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "common/materials/scattering.h"
 #include "common/math/inline_vector.h"
@@ -22,8 +23,9 @@ constexpr double kLeastNeighborCosine = 0.5;
 struct Branch {
   double weight = 1;  ///< the largest share that the ray's colour can have in its pixel
   SampleId id;
-  uint32_t stream = 0;      ///< tells the branches of one sample apart, for their random numbers
-  bool is_diffuse = false;  ///< a diffuse ray of the thesis's model
+  uint32_t stream = 0;           ///< tells the branches of one sample apart, for their random numbers
+  double width = 0, spread = 0;  ///< of the ray's cone where it begins, and what it gains with each unit
+  bool is_diffuse = false;       ///< a diffuse ray of the thesis's model
 };
 
 /// Up to kMostPacketRays rays of one depth are followed together; what becomes of one does not depend on the
@@ -50,12 +52,18 @@ class LightingTree {
         colors[i] = scene_.head().background;
         continue;
       }
-      const Surface surface = eval_surface(scene_, pose_, rays[i], hits[i]);
+      Surface surface = eval_surface(scene_, pose_, rays[i], hits[i]);
       const Material& material = scene_.materials[surface.material];
+      const double width = branches[i].width + hits[i].t * branches[i].spread;
+      const Color color = is_textured(material)
+                              ? textured(scene_, pose_, rays[i], hits[i], material, width, surface).color
+                              : material.color;
       const bool is_thesis = settings_.lighting == LightingModel::thesis;
       // Rays stand in for ambient light in the thesis's model.
       const Color ambient = is_thesis ? Color(0) : material.ambient * scene_.head().ambient;
-      shaded.push_back({surface, &material, rays[i].direction, branches[i], &colors[i], ambient, Color(0)});
+      shaded.push_back(
+          {surface, &material, color, rays[i].direction, branches[i], &colors[i], ambient, Color(0)});
+      shaded[shaded.size() - 1].branch.width = width;
       if (is_luminaire(material)) add_emission(shaded[shaded.size() - 1], hits[i]);
       if (branches[i].is_diffuse) shaded[shaded.size() - 1].branch.weight *= strength(hits[i].t);
     }
@@ -75,6 +83,7 @@ class LightingTree {
   struct Shaded {
     Surface surface;
     const Material* material;
+    Color surface_color;  ///< the material's, textured
     Vec3 direction;
     Branch branch;
     Color* color;
@@ -129,7 +138,7 @@ class LightingTree {
       for (size_t k = 0; k < facing.size(); ++k)
         if (!(blocked >> k & 1)) add_light(facing[k]);
     }
-    for (Shaded& s : shaded) *s.color = s.material->color * s.diffuse + s.specular;
+    for (Shaded& s : shaded) *s.color = s.surface_color * s.diffuse + s.specular;
   }
 
   Vec2 light_point(const Shaded& s, uint32_t light) const {
@@ -224,7 +233,7 @@ class LightingTree {
   void add_diffuse_light(const Shaded& s, uint32_t depth) {
     const auto directions = tables_.diffuse_directions.about_y();
     const auto samples = SamplingTables::samples_that_share_directions(settings_);
-    const Color share = (s.material->diffuse / settings_.diffuse_rays) * s.material->color;
+    const Color share = (s.material->diffuse / settings_.diffuse_rays) * s.surface_color;
     if (!(s.branch.weight * max_component(share) >= settings_.min_weight) || max_component(share) == 0)
       return;
     // One turn for all samples of a pixel keeps the set together; each takes a part of it, in random order.
@@ -272,6 +281,7 @@ class LightingTree {
       for (size_t i = begin; i < end; ++i) {
         branches.add(s, directions[i], share, first_child + static_cast<uint32_t>(i));
         branches.branches[i - begin].is_diffuse = true;
+        branches.branches[i - begin].spread = kDiffuseSpread;
       }
       counts_.diffuse += end - begin;
       trace(branches.rays.span(), branches.branches.span(), depth + 1, colors + begin);
@@ -296,7 +306,11 @@ void trace_eye_rays(const FrameContext& context, std::span<const Ray> rays, std:
     return;
   }
   OfPacket<Branch> branches;
-  for (const SampleId& id : ids) branches.push_back({.id = id});
+  for (const SampleId& id : ids) {
+    Branch& branch = branches.push_back({});
+    branch.id = id;
+    branch.spread = context.spread;
+  }
   LightingTree(context, counts).trace(rays, branches.span(), 1, colors);
 }
 

@@ -2,6 +2,7 @@
 
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
+#include "common/lighting/textured.h"
 #include "common/materials/scattering.h"
 #include "common/math/inline_vector.h"
 #include "common/math/portable_math.h"
@@ -19,6 +20,7 @@ struct Path {
   SampleId id;
   Media media;
   double pdf = 0;  ///< of the last direction; 0: only chance could have led here, as along a mirror's
+  double width = 0, spread = 0;  ///< of the ray's cone
   uint32_t depth = 1;
 };
 
@@ -30,7 +32,8 @@ class PathTracer {
         pose_(context.pose),
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
-        counts_(counts) {}
+        counts_(counts),
+        spread_(context.spread) {}
 
   void trace(std::span<const Ray> rays, std::span<const SampleId> ids, Color* colors) {
     for (size_t i = 0; i < rays.size(); ++i) {
@@ -39,6 +42,7 @@ class PathTracer {
       Path path;
       path.color = &colors[i];
       path.id = ids[i];
+      path.spread = spread_;
       paths_.push_back(path);
     }
     while (!rays_.empty()) step();
@@ -76,8 +80,15 @@ class PathTracer {
       *path.color += path.throughput * scene_.head().background;
       return false;
     }
-    const Surface surface = eval_surface(scene_, pose_, ray, hit);
-    const Material& material = scene_.materials[surface.material];
+    Surface surface = eval_surface(scene_, pose_, ray, hit);
+    path.width += hit.t * path.spread;
+    Material with_texture;
+    const Material* chosen = &scene_.materials[surface.material];
+    if (is_textured(*chosen)) {
+      with_texture = textured(scene_, pose_, ray, hit, *chosen, path.width, surface);
+      chosen = &with_texture;
+    }
+    const Material& material = *chosen;
     if (const uint32_t medium = path.media.current(scene_); medium != kNone)
       absorb(path, scene_.materials[medium].filter, hit.t);
 
@@ -106,6 +117,7 @@ class PathTracer {
     const ScatteredRay next = sample(lobes, at, direction, lobe.x);
     path.throughput *= next.weight;
     path.pdf = next.pdf;
+    if (next.spread == Lobe::Spread::diffuse) path.spread = kDiffuseSpread;
     if ((glm::dot(surface.geometric_normal, next.direction) > 0) == next.is_transmitted) return false;
     if (!survives(path, lobe.y)) return false;
     if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
@@ -184,6 +196,7 @@ class PathTracer {
   const RenderSettings& settings_;
   const Sampler& sampler_;
   RayCounts& counts_;
+  double spread_;
   OfPacket<Ray> rays_, shadow_rays_;
   OfPacket<Path> paths_;
   OfPacket<ShadowColor> shadow_colors_;

@@ -33,14 +33,16 @@ class Tracer {
   Tracer(std::span<const ColouredScene> scenes, const SamplingTables& tables)
       : scenes_(scenes), tables_(tables) {}
 
-  void trace(const Pose& pose, std::span<const Ray> rays, std::span<const SampleId> ids, RayCounts& counts,
-             Color* colors) const {
-    trace_eye_rays({scenes_.front().scene(), pose, tables_}, rays, ids, counts, colors);
+  void trace(const Moment& moment, std::span<const Ray> rays, std::span<const SampleId> ids,
+             RayCounts& counts, Color* colors) const {
+    trace_eye_rays({scenes_.front().scene(), moment.pose, tables_, moment.camera.spread()}, rays, ids, counts,
+                   colors);
     if (scenes_.front().pass().is_rgb) return;
     for (size_t i = 0; i < rays.size(); ++i) colors[i] = scenes_.front().pass().rgb_from_channels * colors[i];
     std::array<Color, kMostPacketRays> channels;
     for (const ColouredScene& scene : scenes_.subspan(1)) {
-      trace_eye_rays({scene.scene(), pose, tables_}, rays, ids, counts, channels.data());
+      trace_eye_rays({scene.scene(), moment.pose, tables_, moment.camera.spread()}, rays, ids, counts,
+                     channels.data());
       for (size_t i = 0; i < rays.size(); ++i) colors[i] += scene.pass().rgb_from_channels * channels[i];
     }
   }
@@ -95,7 +97,7 @@ RenderedPixels render_rect(std::span<const ColouredScene> scenes, std::span<cons
         rays.push_back(eye_ray(moments.front().camera, id, x, y));
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
         RayCounts repeated;
-        tracer.trace(moments.front().pose, rays.span(), ids.span(), owns(x) ? result.counts : repeated,
+        tracer.trace(moments.front(), rays.span(), ids.span(), owns(x) ? result.counts : repeated,
                      &row[i + 1 - rays.size()]);
         pulse.count_rays(rays.size());
         rays.clear();
@@ -130,7 +132,7 @@ RenderedPixels render_rect(std::span<const ColouredScene> scenes, std::span<cons
             rays.push_back(eye_ray(moment.camera, id, x + 0.5 + place.offset.x, y + 0.5 + place.offset.y));
             weights.push_back(place.weight);
           }
-        tracer.trace(moment.pose, rays.span(), ids.span(), result.counts, colors.data());
+        tracer.trace(moment, rays.span(), ids.span(), result.counts, colors.data());
         for (size_t i = 0; i < rays.size(); ++i) sums[i] += weights[i] * colors[i];
         pulse.count_rays(rays.size());
       }

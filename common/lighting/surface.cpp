@@ -14,22 +14,12 @@ struct LocalSurface {
   double magnitude = 0;  ///< of the numbers that describe the primitive
 };
 
-/// The vertices of the triangle that was hit.
-std::array<Vec3, 3> vertices_of(const Scene& scene, uint32_t block_lane) {
-  const auto& vertices = scene.triangle_blocks[block_lane / 8].vertices;
-  const size_t lane = block_lane % 8;
-  std::array<Vec3, 3> v;
-  for (size_t k = 0; k < 3; ++k)
-    v[k] = Vec3(vertices[k][0][lane], vertices[k][1][lane], vertices[k][2][lane]);
-  return v;
-}
-
 double magnitude_of(const std::array<Vec3, 3>& v) {
   return std::max({max_magnitude(v[0]), max_magnitude(v[1]), max_magnitude(v[2])});
 }
 
 LocalSurface eval_triangle(const Scene& scene, const Hit& hit, const Vec3& p) {
-  const std::array<Vec3, 3> v = vertices_of(scene, hit.block_lane);
+  const std::array<Vec3, 3> v = triangle_vertices(scene, hit.block_lane);
   const TriangleShading& shading = scene.triangle_shading[hit.primitive.index()];
   LocalSurface s;
   s.geometric_normal = s.shading_normal = normalized(glm::cross(v[1] - v[0], v[2] - v[0]));
@@ -89,6 +79,15 @@ LocalSurface eval_local(const Scene& scene, const Hit& hit, const Vec3& p) {
 }
 
 }  // namespace
+
+std::array<Vec3, 3> triangle_vertices(const Scene& scene, uint32_t block_lane) {
+  const auto& vertices = scene.triangle_blocks[block_lane / 8].vertices;
+  const size_t lane = block_lane % 8;
+  std::array<Vec3, 3> v;
+  for (size_t k = 0; k < 3; ++k)
+    v[k] = Vec3(vertices[k][0][lane], vertices[k][1][lane], vertices[k][2][lane]);
+  return v;
+}
 
 Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit) {
   const InstancePose& place = pose.instances[hit.instance];

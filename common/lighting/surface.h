@@ -24,6 +24,9 @@ struct Surface {
   }
 };
 
+/// The vertices of the triangle that was hit, in its object's space.
+std::array<Vec3, 3> triangle_vertices(const Scene& scene, uint32_t block_lane);
+
 Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit);
 
 }  // namespace rayfarm

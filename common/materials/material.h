@@ -36,7 +36,9 @@ struct Material {
   double abbe = 0;  ///< dispersion of a dielectric: its Abbe number; 0: none
   Color filter{1};  ///< what is left of light after one unit of length in a dielectric
   Color back{0}, through{0};
-  Color emission{0};  ///< radiance along the normal
+  uint32_t texture = 0xffffffffu, bump = 0xffffffffu;  ///< ~0: none
+  double bump_height = 0;                              ///< of the bump texture's white over its black
+  Color emission{0};                                   ///< radiance along the normal
 };
 
 }  // namespace rayfarm

@@ -13,6 +13,8 @@ struct Camera {
   Vec3 right{0}, up{0};  ///< unit
   double lens_radius = 0, focus = 1;
 
+  /// How much wider a pixel is with each unit of distance, in the image's middle.
+  double spread() const { return glm::length(per_x); }
   bool has_lens() const { return lens_radius > 0; }
   /// The eye ray through a point of the unit disk that stands for the lens.
   Ray ray(double x, double y, const Vec2& lens) const {

@@ -26,6 +26,9 @@ struct SceneArrays {
   std::vector<Vec4> quadric_planes;
   std::vector<TriangleShading> triangle_shading;
   std::vector<glm::vec3> normals;
+  std::vector<glm::vec2> triangle_uvs;
+  std::vector<Texture> textures;
+  std::vector<uint16_t> texels;
   std::vector<Material> materials;
   std::vector<Light> lights;
   std::vector<double> light_shares;
@@ -55,6 +58,9 @@ struct SceneArrays {
             quadric_planes,
             triangle_shading,
             normals,
+            triangle_uvs,
+            textures,
+            texels,
             materials,
             lights,
             light_shares,
@@ -189,6 +195,7 @@ class Compiler {
       if (!is_added[object]) add_part(object, std::span(&object, 1));
     expand(description_.root, kNone, {});
     build_object_part();
+    if (!arrays_.triangle_uvs.empty()) arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size());
     add_luminaires();
     weigh_lights();
     CompiledScene result;
@@ -223,6 +230,11 @@ class Compiler {
     head.ambient = description_.ambient;
     arrays_.lights = description_.lights;
     for (const MaterialDescription& m : description_.materials) arrays_.materials.push_back(m);
+    for (const TextureDescription& t : description_.textures) {
+      arrays_.textures.push_back(t);
+      arrays_.textures.back().first_texel = static_cast<uint32_t>(arrays_.texels.size() / 3);
+      arrays_.texels.insert(arrays_.texels.end(), t.texels.begin(), t.texels.end());
+    }
   }
 
   void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading) {
@@ -330,7 +342,11 @@ class Compiler {
         for (size_t k = 0; k < 3; ++k)
           shading.normals[k] = first_normal + mesh.triangle_normals[i][static_cast<int>(k)];
       }
+      const size_t before = arrays_.triangle_shading.size();
       add_triangle(part, {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading);
+      if (mesh.triangle_uvs.empty() || arrays_.triangle_shading.size() == before) continue;
+      arrays_.triangle_uvs.resize(3 * before, glm::vec2(0));  // of meshes before that have none
+      for (int k = 0; k < 3; ++k) arrays_.triangle_uvs.push_back(mesh.uvs[mesh.triangle_uvs[i][k]]);
     }
   }
 

@@ -129,6 +129,11 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
       throw InputError({path}, fmt::format("material '{}' has a number that is not finite", m.name));
   }
 
+  const size_t uv_count = attributes.texcoords.size() / 2;
+  for (size_t i = 0; i < uv_count; ++i)
+    mesh.uvs.emplace_back(attributes.texcoords[2 * i], attributes.texcoords[2 * i + 1]);
+  mesh.uvs.emplace_back(0);  // of corners that have none
+
   size_t face = 0;
   for (const tinyobj::shape_t& shape : shapes) {
     size_t first = 0;
@@ -148,15 +153,19 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
       // A fan from the first corner: faces of OBJ files are convex by convention.
       for (size_t i = 1; i + 1 < sides; ++i) {
         const std::array<size_t, 3> fan{0, i, i + 1};
-        glm::uvec3 v, n;
+        glm::uvec3 v, n, uv;
         bool has_normals = smoothing != Smoothing::flat;
         for (int k = 0; k < 3; ++k) {
           const tinyobj::index_t index = corner(fan[static_cast<size_t>(k)]);
           v[k] = static_cast<uint32_t>(index.vertex_index);
           n[k] = static_cast<uint32_t>(index.normal_index);
+          const bool has_uv =
+              index.texcoord_index >= 0 && static_cast<size_t>(index.texcoord_index) < uv_count;
+          uv[k] = static_cast<uint32_t>(has_uv ? static_cast<size_t>(index.texcoord_index) : uv_count);
           has_normals = has_normals && index.normal_index >= 0;
         }
         mesh.triangles.push_back(v);
+        if (uv_count > 0) mesh.triangle_uvs.push_back(uv);
         mesh.triangle_normals.push_back(has_normals ? n : glm::uvec3(~0u));
         const int m = shape.mesh.material_ids[f];
         mesh.materials.push_back(m >= 0 ? first_material + static_cast<uint32_t>(m) : material);

@@ -10,6 +10,7 @@
 #include "common/math/affine.h"
 #include "common/shapes/polygon.h"
 #include "common/shapes/quadric.h"
+#include "common/textures/texture.h"
 
 namespace rayfarm {
 
@@ -152,6 +153,9 @@ struct Scene {
   std::span<const Vec4> quadric_planes;
   std::span<const TriangleShading> triangle_shading;
   std::span<const glm::vec3> normals;
+  std::span<const glm::vec2> triangle_uvs;  ///< three for each triangle, or none at all
+  std::span<const Texture> textures;
+  std::span<const uint16_t> texels;  ///< of all images: three halves each
   std::span<const Material> materials;
   std::span<const Light> lights;             ///< luminaires last, by (instance, primitive)
   std::span<const double> light_shares;      ///< cumulative: with which lights are chosen
@@ -196,6 +200,9 @@ void for_each_array(SceneType& s, Visitor visit) {
   visit("quadric_planes", s.quadric_planes);
   visit("triangle_shading", s.triangle_shading);
   visit("normals", s.normals);
+  visit("triangle_uvs", s.triangle_uvs);
+  visit("textures", s.textures);
+  visit("texels", s.texels);
   visit("materials", s.materials);
   visit("lights", s.lights);
   visit("light_shares", s.light_shares);

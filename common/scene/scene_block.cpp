@@ -114,6 +114,21 @@ void check_indices(const Scene& s) {
                  range_fits(light.first_vertex, light.vertex_count, s.luminaire_vertices.size())),
             "a light's primitive");
   }
+  for (const Texture& t : s.textures) {
+    require(t.kind <= TextureKind::image && t.octaves <= 32, "a texture's kind");
+    if (t.kind != TextureKind::image) continue;
+    require(t.width_px > 0 && t.height_px > 0 && t.levels > 0 && t.levels <= 32, "an image's size");
+    size_t texels = 0;
+    for (uint32_t level = 0; level < t.levels; ++level)
+      texels += size_t{std::max(1u, t.width_px >> level)} * std::max(1u, t.height_px >> level);
+    require(range_fits(t.first_texel, texels, s.texels.size() / 3), "an image's texels");
+  }
+  require(s.triangle_uvs.empty() || s.triangle_uvs.size() == 3 * s.triangle_shading.size(),
+          "the triangles' coordinates");
+  for (const Material& m : s.materials)
+    require((m.texture == kNone || m.texture < s.textures.size()) &&
+                (m.bump == kNone || m.bump < s.textures.size()),
+            "a material's texture");
   for (const Material& m : s.materials) require(m.kind <= MaterialKind::luminaire, "a material's kind");
   for (const CurveRecord& c : s.curves)
     require(c.key_count > 0 && range_fits(c.first_key, c.key_count, s.key_frames.size()) &&

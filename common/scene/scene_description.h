@@ -12,6 +12,7 @@
 #include "common/materials/material.h"
 #include "common/scene/animation.h"
 #include "common/scene/input_error.h"
+#include "common/textures/texture.h"
 
 namespace rayfarm {
 
@@ -43,6 +44,11 @@ struct MaterialDescription : Material {
   MaterialDescription() = default;
   explicit MaterialDescription(std::string of_name) : name(std::move(of_name)) {}
   std::string name;
+};
+
+struct TextureDescription : Texture {
+  std::string name;
+  std::vector<uint16_t> texels;  ///< of an image
 };
 
 /// The thesis's five parameters (2.3.2): location, direction, up, field of view, aspect ratio.
@@ -88,6 +94,8 @@ struct MeshShape {
   std::vector<glm::uvec3>
       triangle_normals;             ///< empty, or one per triangle: indices into normals, ~0 for none
   std::vector<uint32_t> materials;  ///< empty, or one per triangle
+  std::vector<glm::vec2> uvs;
+  std::vector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
   Smoothing smoothing = Smoothing::flat;
 };
 using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PolygonShape, MeshShape>;
@@ -119,6 +127,7 @@ struct SceneDescription {
   Color ambient{1};           ///< Ia
   std::vector<Light> lights;  ///< luminaires are found by their materials
   std::vector<MaterialDescription> materials;
+  std::vector<TextureDescription> textures;
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;
   std::optional<std::array<int, 2>> frames;  ///< first and last

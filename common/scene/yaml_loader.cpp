@@ -7,6 +7,7 @@
 #include "common/scene/scene_loaders.h"
 #include "common/scene/yaml_materials.h"
 #include "common/scene/yaml_reader.h"
+#include "common/scene/yaml_textures.h"
 
 namespace rayfarm {
 namespace {
@@ -107,6 +108,7 @@ class Loader {
     if (auto v = map.find("frames")) read_frames(*v);
     if (auto v = map.find("lights")) read_lights(*v);
     scene_.materials.emplace_back("default");
+    if (auto v = map.find("textures")) read_textures(*v);
     if (auto v = map.find("materials")) read_materials(*v);
     if (auto v = map.find("objects")) read_definitions(*v);
     scene_.objects.push_back({"scene", {}, {}, {0, 1, 1}});
@@ -166,8 +168,15 @@ class Loader {
     }
   }
 
+  void read_textures(const YamlValue& value) {
+    const std::string folder = std::filesystem::path(path_).parent_path().string();
+    for (const auto& [key, v] : value.entries())
+      scene_.textures.push_back(read_texture(key.text(), v, folder, scene_.files));
+  }
+
   void read_materials(const YamlValue& value) {
-    for (const auto& [key, v] : value.entries()) scene_.materials.push_back(read_material(key.text(), v));
+    for (const auto& [key, v] : value.entries())
+      scene_.materials.push_back(read_material(key.text(), v, scene_.textures));
     for (const MaterialDescription& m : scene_.materials) material_names_.push_back(m.name);
   }
 

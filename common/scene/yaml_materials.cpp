@@ -42,6 +42,19 @@ Color read_albedo(YamlMap& map, const char* key, const Color& fallback, bool is_
   return c;
 }
 
+uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescription>& textures) {
+  const std::string name = value.text();
+  std::vector<std::string> names;
+  for (const TextureDescription& texture : textures) {
+    if (texture.name == name) return static_cast<uint32_t>(names.size());
+    names.push_back(texture.name);
+  }
+  value.fail(fmt::format(
+      "unknown texture '{}' ({}){}", name.substr(0, 40),
+      names.empty() ? "none is defined here" : fmt::format("defined here: {}", fmt::join(names, ", ")),
+      suggestion(name, names)));
+}
+
 void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
   const auto coefficient = [&map](const char* name, double& target) {
     if (auto found = map.find(name)) target = found->number_in(0, 1e6);
@@ -147,7 +160,8 @@ void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allo
 
 }  // namespace
 
-MaterialDescription read_material(const std::string& name, const YamlValue& value) {
+MaterialDescription read_material(const std::string& name, const YamlValue& value,
+                                  const std::vector<TextureDescription>& textures) {
   YamlMap map(value);
   MaterialDescription m(name);
   const auto allow = map.find("allow_impossible");
@@ -186,6 +200,13 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
         break;
     }
     if (m.exponent > 0) m.shininess = m.exponent;
+  }
+  if (auto texture = map.find("texture")) m.texture = find_texture(*texture, textures);
+  if (auto v = map.find("bump")) {
+    YamlMap bump(*v);
+    m.bump = find_texture(bump.require("texture"), textures);
+    m.bump_height = bump.require("height").number_in(-1e9, 1e9);
+    bump.finish();
   }
   if (m.kind == MaterialKind::classical) read_classical(map, m, is_allowed);
   map.finish();

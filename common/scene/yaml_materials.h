@@ -4,7 +4,9 @@
 
 namespace rayfarm {
 
-MaterialDescription read_material(const std::string& name, const YamlValue& value);
+/// `textures`: those that the material may name.
+MaterialDescription read_material(const std::string& name, const YamlValue& value,
+                                  const std::vector<TextureDescription>& textures);
 Light read_light(const YamlValue& value);
 
 }  // namespace rayfarm

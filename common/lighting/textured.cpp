@@ -1,0 +1,134 @@
+#include "common/lighting/textured.h"
+
+#include <numbers>
+
+#include "common/materials/scattering.h"
+#include "common/math/portable_math.h"
+#include "common/sampling/warps.h"
+
+namespace rayfarm {
+namespace {
+
+using std::numbers::pi;
+
+double longitude(double x, double z) {
+  const double r = std::sqrt(x * x + z * z);
+  if (!(r > 0)) return 0;
+  const double angle = portable_acos(x / r) / (2 * pi);
+  return z < 0 ? 1 - angle : angle;
+}
+
+/// The parameters of a point in a plane quadrilateral, corners in order: p = bilinear(u, v) (Ullner 1983).
+Vec2 bilinear_parameters(const std::array<Vec2, 4>& q, const Vec2& p) {
+  const auto cross = [](const Vec2& a, const Vec2& b) { return a.x * b.y - a.y * b.x; };
+  const Vec2 e = q[1] - q[0], f = q[3] - q[0], g = q[0] - q[1] + q[2] - q[3], h = p - q[0];
+  // cross(h - v f, e + v g) = 0, a quadratic in v.
+  const double a = cross(g, f), b = cross(e, f) + cross(h, g), c = cross(h, e);
+  double v;
+  if (std::abs(a) <= 1e-12 * std::abs(b)) {
+    v = b != 0 ? -c / b : 0;
+  } else {
+    const double root = std::sqrt(std::max(0.0, b * b - 4 * a * c));
+    const double s = -0.5 * (b + std::copysign(root, b));
+    const double v1 = s / a, v2 = s != 0 ? c / s : v1;
+    const auto off = [](double x) { return std::max({0.0, -x, x - 1}); };
+    v = off(v1) < off(v2) ? v1 : v2;
+  }
+  const Vec2 along = e + v * g, from = h - v * f;
+  const double square = glm::dot(along, along);
+  return {square > 0 ? glm::dot(from, along) / square : 0, v};
+}
+
+Vec2 polygon_parameters(const Scene& scene, const Polygon& polygon, const Vec3& p) {
+  const auto points = scene.points_of(polygon);
+  const Vec3 x = normalized(points[1] - points[0]), y = glm::cross(polygon.normal, x);
+  const auto flat = [&](const Vec3& q) {
+    return Vec2(glm::dot(q - points[0], x), glm::dot(q - points[0], y));
+  };
+  if (points.size() == 4)
+    return bilinear_parameters({flat(points[0]), flat(points[1]), flat(points[2]), flat(points[3])}, flat(p));
+  Vec2 lo(0), hi(0);
+  for (const Vec3& q : points) {
+    lo = glm::min(lo, flat(q));
+    hi = glm::max(hi, flat(q));
+  }
+  return (flat(p) - lo) / glm::max(hi - lo, Vec2(1e-300));
+}
+
+Vec2 triangle_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
+  const std::array<Vec3, 3> v = triangle_vertices(scene, hit.block_lane);
+  const Vec3 n = glm::cross(v[1] - v[0], v[2] - v[0]);
+  const double square = glm::dot(n, n);
+  const double b = glm::dot(glm::cross(p - v[0], v[2] - v[0]), n) / square,
+               c = glm::dot(glm::cross(v[1] - v[0], p - v[0]), n) / square;
+  if (scene.triangle_uvs.empty()) return {b, c};
+  const glm::vec2* const uv = &scene.triangle_uvs[size_t{3} * hit.primitive.index()];
+  return Vec2(uv[0]) + b * (Vec2(uv[1]) - Vec2(uv[0])) + c * (Vec2(uv[2]) - Vec2(uv[0]));
+}
+
+}  // namespace
+
+Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
+  const uint32_t index = hit.primitive.index();
+  switch (hit.primitive.kind()) {
+    case PrimitiveKind::triangle:
+      return triangle_parameters(scene, hit, p);
+    case PrimitiveKind::sphere: {
+      const Vec3 d = (p - scene.spheres[index].center) / scene.spheres[index].radius;
+      return {longitude(d.x, d.z), 1 - portable_acos(d.y) / pi};
+    }
+    case PrimitiveKind::polygon:
+      return polygon_parameters(scene, scene.polygons[index], p);
+    case PrimitiveKind::quadric:
+      break;
+  }
+  const Box& box = scene.quadrics[index].bounds;
+  const Vec3 d = p - box.center();
+  return {longitude(d.x, d.z), (p.y - box.lo.y) / std::max(box.hi.y - box.lo.y, 1e-300)};
+}
+
+Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit,
+                  const Material& material, double width, Surface& surface) {
+  Material result = material;
+  const InstancePose& place = pose.instances[hit.instance];
+  const Vec3 p_world = ray.origin + hit.t * ray.direction;
+  const Vec3 p = place.is_identity ? p_world : place.object_from_world.point(p_world);
+  const Frame frame(surface.geometric_normal);
+  // Steps along the surface, in the object's space: to measure how fast patterns change there.
+  const double step = std::max(width, 1e-4 * std::max(max_magnitude(p_world), hit.t));
+  const auto along = [&](const Vec3& world) {
+    return step * (place.is_identity ? world : place.object_from_world.vector(world));
+  };
+  const Vec3 dx = along(frame.tangent), dy = along(frame.bitangent);
+  const Vec2 uv = surface_parameters(scene, hit, p);
+  const auto wrapped = [](const Vec2& d) { return d - glm::round(d); };  // longitude jumps from 1 to 0
+  const Vec2 du = wrapped(surface_parameters(scene, hit, p + dx) - uv),
+             dv = wrapped(surface_parameters(scene, hit, p + dy) - uv);
+  const double per_step = width / step;
+  TexturePoint at{p, uv, per_step * std::max(glm::length(dx), glm::length(dy)),
+                  per_step * std::max(glm::length(du), glm::length(dv))};
+  if (material.texture != kNone)
+    result.color *= glm::max(
+        scene.head().channels_from_rgb * eval_texture(scene.textures[material.texture], scene.texels, at),
+        Color(0));
+  if (material.bump != kNone) {
+    const auto height = [&](const Vec3& point, const Vec2& parameters) {
+      TexturePoint there = at;
+      there.p = point;
+      there.uv = parameters;
+      return material.bump_height *
+             luminance(eval_texture(scene.textures[material.bump], scene.texels, there));
+    };
+    const double here = height(p, uv);
+    const double slope_x = (height(p + dx, uv + du) - here) / step,
+                 slope_y = (height(p + dy, uv + dv) - here) / step;
+    // On the inside of a surface hills are valleys (Blinn 1978).
+    const double side = surface.is_front ? 1 : -1;
+    const Vec3 n =
+        normalized(surface.shading_normal - side * (slope_x * frame.tangent + slope_y * frame.bitangent));
+    if (glm::dot(n, ray.direction) < 0) surface.shading_normal = n;
+  }
+  return result;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,59 @@
+#include "common/scene/yaml_textures.h"
+
+#include <filesystem>
+
+#include "common/textures/image_texture.h"
+
+namespace rayfarm {
+
+TextureDescription read_texture(const std::string& name, const YamlValue& value, const std::string& folder,
+                                std::vector<std::string>& files) {
+  YamlMap map(value);
+  TextureDescription texture;
+  texture.name = name;
+  // In the order of TextureKind.
+  static const std::vector<std::string> kKinds{"checker", "noise",  "marble",  "wood",
+                                               "boards",  "bricks", "fourier", "image"};
+  texture.kind = static_cast<TextureKind>(map.require("kind").choice(kKinds));
+  const bool is_image = texture.kind == TextureKind::image;
+  if (auto v = map.find("scale")) {
+    texture.scale = v->is_sequence() ? v->vector() : Vec3(v->number());
+    if (!(texture.scale.x > 0 && texture.scale.y > 0 && texture.scale.z > 0))
+      v->fail("a texture's scale must be above 0");
+  }
+  if (is_image) {
+    texture.is_mapped = 1;
+    const YamlValue file = map.require("file");
+    const std::string path = (std::filesystem::path(folder) / file.text()).string();
+    try {
+      texture.texels = load_texels(path, texture);
+    } catch (const IoError& e) {
+      file.fail(e.what());
+    }
+    files.push_back(path);
+    map.finish();
+    return texture;
+  }
+  if (auto v = map.find("map")) texture.is_mapped = v->choice({"solid", "uv"}) == 1 ? 1 : 0;
+  const auto color = [&map](const char* key, Color& target) {
+    if (auto v = map.find(key)) target = v->color();
+  };
+  const auto number = [&map](const char* key, double& target, double least, double most) {
+    if (auto v = map.find(key)) target = v->number_in(least, most);
+  };
+  color("first", texture.first);
+  color("second", texture.second);
+  if (auto v = map.find("octaves")) texture.octaves = static_cast<uint32_t>(v->whole_number_in(1, 16));
+  if (auto v = map.find("seed")) texture.seed = static_cast<uint32_t>(v->whole_number_in(0, 1'000'000'000));
+  number("strength", texture.strength, 0, 1e6);
+  if (texture.kind == TextureKind::boards || texture.kind == TextureKind::bricks) {
+    texture.aspect = texture.kind == TextureKind::boards ? 8 : 2.5;
+    texture.gap = texture.kind == TextureKind::boards ? 0.02 : 0.15;
+    number("aspect", texture.aspect, 1e-3, 1e3);
+    number("gap", texture.gap, 0, 0.5);
+  }
+  map.finish();
+  return texture;
+}
+
+}  // namespace rayfarm

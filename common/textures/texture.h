@@ -1,0 +1,42 @@
+#pragma once
+// Textures (thesis 2.3.6; Shirley, Sung and Brown 1991, section 2.1): a texture answers for a point in space
+// and a pair (u, v), and uses what it needs of both. Plain data; images' texels stand in the scene's arrays.
+#include <cstdint>
+#include <span>
+
+#include "common/math/vector.h"
+
+namespace rayfarm {
+
+enum class TextureKind : uint32_t {
+  checker,  ///< cubes of side 1
+  noise,    ///< turbulence of `octaves`
+  marble,   ///< waves along x, disturbed by turbulence
+  wood,     ///< one tree about the y axis: rings of equal area
+  boards,   ///< a floor of boards along x, `aspect` long and 1 wide, each with its own place in the tree
+  bricks,   ///< a wall in x and y of bricks, `aspect` long and 1 high, each with its own tint; mortar `gap`
+            ///< wide
+  fourier,  ///< a sum of `octaves` sines, each in a direction of its own (thesis 2.3.6)
+  image     ///< in (u, v), repeated
+};
+
+struct Texture {
+  TextureKind kind = TextureKind::checker;
+  uint32_t is_mapped = 0;  ///< 1: the pattern lies in (u, v, 0), not in space; images always do
+  uint32_t octaves = 5, seed = 0;
+  Color first{1}, second{0};
+  Vec3 scale{1};  ///< lengths of one unit of the pattern
+  double strength = 1, aspect = 1, gap = 0;
+  uint32_t first_texel = 0, width_px = 0, height_px = 0, levels = 0;  ///< of an image: halves of halves
+};
+
+struct TexturePoint {
+  Vec3 p{0};  ///< in the object's space
+  Vec2 uv{0};
+  double width = 0, width_uv = 0;  ///< of what the ray sees, for filtering
+};
+
+/// The texture's colour: reflectance, linear Rec. 709. `texels`: of all images, three halves each.
+Color eval_texture(const Texture& texture, std::span<const uint16_t> texels, const TexturePoint& at);
+
+}  // namespace rayfarm
