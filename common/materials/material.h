@@ -25,8 +25,13 @@ struct Material {
   double ambient = 0.2, diffuse = 0.8, specular = 0, shininess = 20, reflect = 0, transmit = 0;
   double index = 1;  ///< of refraction, inside the surface relative to outside
 
+  // What every hit asks for stands together with the above.
   MaterialKind kind = MaterialKind::classical;
   int32_t priority = 0;  ///< where dielectrics overlap the one of the highest priority is there
+  uint32_t texture = 0xffffffffu, bump = 0xffffffffu;  ///< ~0: none
+  Color emission{0};                                   ///< radiance along the normal
+
+  double bump_height = 0;  ///< of the bump texture's white over its black
   /// Spread of what is reflected or refracted, cosⁿ about its direction; 0: none, the surface is smooth. Of a
   /// luminaire: its radiance falls with cosⁿ.
   double exponent = 0;
@@ -36,9 +41,6 @@ struct Material {
   double abbe = 0;  ///< dispersion of a dielectric: its Abbe number; 0: none
   Color filter{1};  ///< what is left of light after one unit of length in a dielectric
   Color back{0}, through{0};
-  uint32_t texture = 0xffffffffu, bump = 0xffffffffu;  ///< ~0: none
-  double bump_height = 0;                              ///< of the bump texture's white over its black
-  Color emission{0};                                   ///< radiance along the normal
 };
 
 }  // namespace rayfarm
