@@ -14,9 +14,6 @@
 namespace rayfarm {
 namespace {
 
-/// Roulette ends nearly all paths long before.
-constexpr uint32_t kPathDepth = 100;
-
 template <size_t N>
 std::array<int, N> parse_numbers(const std::string& text, char separator, const std::string& form) {
   std::array<int, N> numbers{};
@@ -243,6 +240,22 @@ CommandLine parse_command_line(int argc, char** argv) {
   compare->add_option("--share", line.compare.share, "share of pixels that may differ by more (default: 0)")
       ->check(CLI::Range(0.0, 1.0));
   compare->callback([&line] { line.kind = CommandKind::compare; });
+  CLI::App* experiment =
+      app.add_subcommand("experiment", "reproduce an experiment of the seeds, and write a page about it");
+  experiment->add_option("NAME", line.experiment.name, "lighting: the pictures of the thesis's chapter 3")
+      ->required()
+      ->check(CLI::IsMember({"lighting"}));
+  experiment->add_option("-o,--output", line.experiment.output,
+                         "folder for page, pictures and numbers (default: out/NAME)");
+  experiment->add_option("--scenes", line.experiment.scenes,
+                         "folder that holds the scenes (default: scenes)");
+  experiment
+      ->add_option("--width", line.experiment.width_px, "of the pictures in pixels (default: the scenes')")
+      ->check(CLI::Range(8, 65536));
+  experiment->callback([&line] {
+    line.kind = CommandKind::experiment;
+    if (line.experiment.output.empty()) line.experiment.output = "out/" + line.experiment.name;
+  });
   try {
     app.parse(argc, argv);
     line.render.pixel_format = pixel_format;

@@ -38,13 +38,21 @@ struct CompareOptions {
   double share = 0;      ///< of pixels that may differ by more, 0 to 1
 };
 
-enum class CommandKind { render, check, info, compare, none };
+struct ExperimentOptions {
+  std::string name;
+  std::string output;
+  std::string scenes = "scenes";  ///< the folder that holds them
+  int width_px = 0;               ///< of the pictures; 0: as the scenes have it
+};
+
+enum class CommandKind { render, check, info, compare, experiment, none };
 
 struct CommandLine {
   CommandKind kind = CommandKind::none;
   RenderOptions render;
   std::string scene;  ///< of check and info
   CompareOptions compare;
+  ExperimentOptions experiment;
   int exit_code = 0;    ///< for kind none: help and version give 0, errors 2
   std::string message;  ///< for kind none: what to print
 };

@@ -7,6 +7,7 @@
 #include "common/scene/input_error.h"
 #include "host/exit_code.h"
 #include "host/interrupt.h"
+#include "host/lighting_experiment.h"
 #include "host/render_command.h"
 #include "host/scene_commands.h"
 #include "node/node.h"
@@ -106,6 +107,9 @@ int run(const CommandLine& line, int argc, char** argv) {
       return launched_rank() == 0 ? run_check(line.scene) : kComplete;
     case CommandKind::info:
       return launched_rank() == 0 ? run_info(line.scene) : kComplete;
+    case CommandKind::experiment:
+      if (launched_rank() != 0) return kComplete;
+      return run_lighting_experiment(line.experiment, render_locally);
     case CommandKind::compare:
       return launched_rank() == 0 ? run_compare(line.compare) : kComplete;
   }

@@ -14,6 +14,9 @@ enum class SamplingPattern : uint8_t { sobol, regular, jittered, uncorrelated, n
 enum class ColourModel : uint8_t { rgb, meyer4, spectral20 };
 enum class FilterKind : uint8_t { box, tent, gaussian, mitchell };
 
+/// The depth of paths if nothing else is asked for: roulette ends nearly all long before.
+inline constexpr uint32_t kPathDepth = 100;
+
 /// A half-open rectangle of pixels, origin top left.
 struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;

@@ -140,6 +140,27 @@ class Builds(JobTest):
         self.assertFalse((self.folder / "a.png").exists())
 
 
+class Experiments(JobTest):
+    def test_lighting_writes_its_page(self):
+        result = self.run_alone("experiment", "lighting", "-o", self.folder / "page", "--scenes", SCENES, "--width", "24")
+        self.assertEqual(result.code, 0, result.stderr)
+        rows = (self.folder / "page" / "lighting.csv").read_text().splitlines()
+        self.assertEqual(len(rows), 14)
+        ratio = {row.split(",")[0]: float(row.split(",")[10]) for row in rows[1:]}
+        self.assertGreater(ratio["plate_3_1b"], 1.5)  # one diffuse ray and its shadow ray for each that meets a wall
+        self.assertLess(ratio["plate_3_1b"], 2.1)
+        page = (self.folder / "page" / "README.md").read_text()
+        for row in rows[1:]:
+            self.assertIn(f"![{row.split(',')[0]}]", page)
+            self.assertTrue((self.folder / "page" / f"{row.split(',')[0]}.png").exists())
+
+    def test_missing_scenes_and_names(self):
+        result = self.run_alone("experiment", "lighting", "-o", self.folder / "page", "--scenes", self.folder / "none")
+        self.assertEqual(result.code, 3, result.stderr)
+        self.assertIn("goral_room.yaml", result.stderr)
+        self.assertEqual(self.run_alone("experiment", "lightning").code, 2)
+
+
 class Commands(JobTest):
     def test_check_lists_files(self):
         obj = self.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")

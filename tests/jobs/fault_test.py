@@ -38,6 +38,9 @@ class LostNode(JobTest):
         self.assertIn("node 2", result.stderr)
         self.assertIn("lost", result.stderr)
 
+    def test_killed_while_paths_are_traced(self):
+        self.expect_whole_frame(signal.SIGKILL, "--lighting", "path")
+
     def test_killed_on_the_pixel_wire(self):
         self.expect_whole_frame(signal.SIGKILL, "--wire", "pixel", rank=1)
 

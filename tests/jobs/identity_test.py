@@ -45,6 +45,14 @@ class Identity(JobTest):
         self.render(1, SCENES / "primitives.yaml", *SMALL, "--crop", "40,101,30,71", name="alone.png")
         self.assertEqual(self.run_alone("compare", part, self.folder / "alone.png").code, 0)
 
+    def test_every_lighting_model(self):
+        policies = [("--assign", policy) for policy in ("on-demand", "interleaved")]
+        for scene, *arguments in (("materials", "--lighting", "path"), ("diffuse_room", "--lighting", "thesis", "--diffuse-rays", "3"),
+                                  ("prism", "--lighting", "path", "--colour", "meyer4"), ("textures", "--filter", "mitchell"),
+                                  ("animation", "--shutter", "0.5", "--frames", "3"), ("highlights", "--lighting", "torrance-sparrow")):
+            self.hashes(SCENES / f"{scene}.yaml", "--size", "61x47", "--samples", "3", *arguments, ranks=(1, 3, 8), name="out.exr",
+                        variants=policies)
+
     def test_more_ranks_than_cores(self):
         self.hashes(SCENES / "primitives.yaml", *SMALL, ranks=(1, 17), name="out.png", variants=[()])
 
