@@ -140,6 +140,9 @@ LightSample sample_light(const Scene& scene, const Pose& pose, const Light& ligh
   result.target = light.position;
   result.incident =
       light.kind == LightKind::point ? pi * light.color : light.color / glm::dot(to_light, to_light);
+  if (light.diagram != kNone)
+    result.incident *= eval_intensity(scene.goniometric_diagrams[light.diagram], scene.goniometric_values,
+                                      light.direction, light.zero, -result.to_light);
   if (light.kind == LightKind::spot) {
     const double cosine = -glm::dot(light.direction, result.to_light);
     const double part = light.cosine_full > light.cosine_none

@@ -31,6 +31,8 @@ struct SceneArrays {
   std::vector<uint16_t> texels;
   std::vector<Material> materials;
   std::vector<Light> lights;
+  std::vector<GoniometricDiagram> goniometric_diagrams;
+  std::vector<double> goniometric_values;
   std::vector<double> light_shares;
   std::vector<Vec3> luminaire_vertices;
   std::vector<CurveRecord> curves;
@@ -63,6 +65,8 @@ struct SceneArrays {
             texels,
             materials,
             lights,
+            goniometric_diagrams,
+            goniometric_values,
             light_shares,
             luminaire_vertices,
             curves,
@@ -229,6 +233,13 @@ class Compiler {
     head.background = description_.background;
     head.ambient = description_.ambient;
     arrays_.lights = description_.lights;
+    for (const DiagramDescription& diagram : description_.diagrams) {
+      arrays_.goniometric_diagrams.push_back(diagram);
+      arrays_.goniometric_diagrams.back().first_value =
+          static_cast<uint32_t>(arrays_.goniometric_values.size());
+      arrays_.goniometric_values.insert(arrays_.goniometric_values.end(), diagram.values.begin(),
+                                        diagram.values.end());
+    }
     for (const MaterialDescription& m : description_.materials) arrays_.materials.push_back(m);
     for (const TextureDescription& t : description_.textures) {
       arrays_.textures.push_back(t);
@@ -416,6 +427,13 @@ class Compiler {
       }
   }
 
+  /// The largest value of a light's diagram; 1 if it has none.
+  double brightest(const Light& light) const {
+    if (light.diagram == kNone) return 1;
+    const std::vector<double>& values = description_.diagrams[light.diagram].values;
+    return *std::max_element(values.begin(), values.end());
+  }
+
   /// How often a source is chosen: by the irradiance that it gives at a distance of the scene's size.
   void weigh_lights() {
     Box bounds;
@@ -433,7 +451,7 @@ class Compiler {
           break;
         case LightKind::bulb:
         case LightKind::spot:
-          total += luminance(light.color) / size2;
+          total += luminance(light.color) * brightest(light) / size2;
           break;
         case LightKind::luminaire:
           total +=

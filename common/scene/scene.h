@@ -5,6 +5,7 @@
 #include <span>
 
 #include "common/hierarchy/ray.h"
+#include "common/lighting/goniometry.h"
 #include "common/lighting/light.h"
 #include "common/materials/material.h"
 #include "common/math/affine.h"
@@ -157,7 +158,9 @@ struct Scene {
   std::span<const Texture> textures;
   std::span<const uint16_t> texels;  ///< of all images: three halves each
   std::span<const Material> materials;
-  std::span<const Light> lights;             ///< luminaires last, by (instance, primitive)
+  std::span<const Light> lights;  ///< luminaires last, by (instance, primitive)
+  std::span<const GoniometricDiagram> goniometric_diagrams;
+  std::span<const double> goniometric_values;
   std::span<const double> light_shares;      ///< cumulative: with which lights are chosen
   std::span<const Vec3> luminaire_vertices;  ///< as rays meet them, rounded to float
   std::span<const CurveRecord> curves;
@@ -205,6 +208,8 @@ void for_each_array(SceneType& s, Visitor visit) {
   visit("texels", s.texels);
   visit("materials", s.materials);
   visit("lights", s.lights);
+  visit("goniometric_diagrams", s.goniometric_diagrams);
+  visit("goniometric_values", s.goniometric_values);
   visit("light_shares", s.light_shares);
   visit("luminaire_vertices", s.luminaire_vertices);
   visit("curves", s.curves);

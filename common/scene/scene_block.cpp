@@ -101,8 +101,14 @@ void check_indices(const Scene& s) {
   require(s.key_frames.size() == s.key_values.size(), "the keys");
   require(s.light_shares.size() == s.lights.size() && s.head().first_luminaire <= s.lights.size(),
           "the lights");
+  for (const GoniometricDiagram& d : s.goniometric_diagrams)
+    require(d.vertical_count >= 2 && d.horizontal_count >= 1 &&
+                range_fits(d.first_value, values_of(d.vertical_count, d.horizontal_count),
+                           s.goniometric_values.size()),
+            "a goniometric diagram");
   for (size_t i = 0; i < s.lights.size(); ++i) {
     const Light& light = s.lights[i];
+    require(light.diagram == kNone || light.diagram < s.goniometric_diagrams.size(), "a light's diagram");
     require((light.kind == LightKind::luminaire) == (i >= s.head().first_luminaire), "a light's kind");
     if (light.kind != LightKind::luminaire) continue;
     material(light.material);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/lighting/goniometry.h"
 #include "common/lighting/light.h"
 #include "common/materials/material.h"
 #include "common/scene/animation.h"
@@ -49,6 +50,10 @@ struct MaterialDescription : Material {
 struct TextureDescription : Texture {
   std::string name;
   std::vector<uint16_t> texels;  ///< of an image
+};
+
+struct DiagramDescription : GoniometricDiagram {
+  std::vector<double> values;
 };
 
 /// The thesis's five parameters (2.3.2): location, direction, up, field of view, aspect ratio.
@@ -124,8 +129,9 @@ struct SceneDescription {
   std::vector<std::string> files;  ///< every file read; [0] is the scene
   ViewDescription view;
   Color background{0};
-  Color ambient{1};           ///< Ia
-  std::vector<Light> lights;  ///< luminaires are found by their materials
+  Color ambient{1};                          ///< Ia
+  std::vector<Light> lights;                 ///< luminaires are found by their materials
+  std::vector<DiagramDescription> diagrams;  ///< that lights name
   std::vector<MaterialDescription> materials;
   std::vector<TextureDescription> textures;
   std::vector<ObjectDescription> objects;

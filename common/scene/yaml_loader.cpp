@@ -162,8 +162,9 @@ class Loader {
   }
 
   void read_lights(const YamlValue& value) {
+    const std::string folder = std::filesystem::path(path_).parent_path().string();
     for (const YamlValue& item : value.items()) {
-      scene_.lights.push_back(read_light(item));
+      scene_.lights.push_back(read_light(item, folder, scene_));
       if (scene_.lights.size() > limits::kLights) item.fail("too many lights");
     }
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <filesystem>
 #include <numbers>
 
 #include "common/materials/fresnel.h"
@@ -9,6 +10,8 @@
 #include "common/materials/scattering.h"
 #include "common/materials/spectrum.h"
 #include "common/math/portable_math.h"
+#include "common/sampling/warps.h"
+#include "common/scene/ies_loader.h"
 
 namespace rayfarm {
 namespace {
@@ -213,7 +216,13 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
   return m;
 }
 
-Light read_light(const YamlValue& value) {
+/// A diagram's horizontal angle 0 lies towards `toward`, as far as that is across the light's direction.
+Vec3 across(const Vec3& direction, const Vec3& toward) {
+  const Vec3 v = normalized(toward - glm::dot(toward, direction) * direction);
+  return max_magnitude(v) > 0 ? v : Frame(direction).tangent;
+}
+
+Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene) {
   YamlMap map(value);
   Light light;
   const auto position = map.find("position"), direction = map.find("direction");
@@ -228,7 +237,22 @@ Light read_light(const YamlValue& value) {
   } else if (falloff && falloff->boolean()) {
     light.kind = LightKind::bulb;
   }
-  if (position && direction) {
+  if (const auto ies = map.find("ies")) {
+    if (!position) ies->fail("a light with a photometric file stands somewhere: it needs a `position`");
+    light.kind = LightKind::bulb;
+    const auto zero = map.find("zero");
+    light.zero = across(light.direction, zero ? zero->direction() : Vec3(1, 0, 0));
+    light.diagram = static_cast<uint32_t>(scene.diagrams.size());
+    const std::string path = (std::filesystem::path(folder) / ies->text()).string();
+    DiagramDescription diagram;
+    try {
+      diagram.values = load_ies(path, diagram);
+    } catch (const IoError& e) {
+      ies->fail(e.what());
+    }
+    scene.diagrams.push_back(std::move(diagram));
+    scene.files.push_back(path);
+  } else if (position && direction) {
     light.kind = LightKind::spot;
     if (falloff && !falloff->boolean())
       falloff->fail("a spot always falls off with the square of the distance");

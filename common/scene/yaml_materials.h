@@ -7,6 +7,7 @@ namespace rayfarm {
 /// `textures`: those that the material may name.
 MaterialDescription read_material(const std::string& name, const YamlValue& value,
                                   const std::vector<TextureDescription>& textures);
-Light read_light(const YamlValue& value);
+/// Photometric files are read relative to the scene's folder and join its diagrams and files.
+Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene);
 
 }  // namespace rayfarm

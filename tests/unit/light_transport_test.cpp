@@ -146,6 +146,41 @@ scene: [{material: m, polygon: {points: [[-9,0,-9],[-9,0,9],[9,0,9],[9,0,-9]]}}]
   EXPECT_LT(half, 0.5 * 3 / M_PI);
 }
 
+TEST(Path, PhotometricFilesShapeTheLight) {
+  // 90 candela straight down, 30 at 45°, nothing from 90° on; twice as much along y as along x.
+  const auto file = [](const char* name, const char* angles) {
+    return test::write_temporary(
+        name, std::string("IESNA:LM-63-1995\n[TEST] made\nTILT=NONE\n1 1000 1.0 3 ") + angles);
+  };
+  file("round.ies", "1 1 2 0 0 0\n1 1 100\n0 45 90\n0\n90 30 0\n");
+  file("quadrant.ies", "2 1 2 0 0 0\n1 1 100\n0 45 90\n0 90\n90 30 0\n90 60 0\n");
+  file("bad.ies", "1 1 2 0 0 0\n1 1 100\n0 45 40\n0\n90 30 0\n");
+  const auto radiance = [](const std::string& ies, double x, double z) {
+    Probe probe(fmt::format("lights: [{{position: [0, 2, 0], ies: {}}}]\n", ies) + R"(
+materials: {m: {lambertian: 1}}
+scene: [{material: m, polygon: {points: [[-9,0,-9],[-9,0,9],[9,0,9],[9,0,-9]]}}]
+)");
+    return probe.mean(Vec3(x, 1, z), Vec3(0, -1, 0), 8).x;
+  };
+  // L = I cos θ / (π d²)
+  EXPECT_NEAR(radiance("round.ies", 0.001, 0), 90 / (M_PI * 4), 0.02);
+  const double at45 = std::sqrt(0.5) / (M_PI * 8);
+  EXPECT_NEAR(radiance("round.ies", 2, 0), 30 * at45, 1e-6);
+  EXPECT_NEAR(radiance("round.ies", 0, -2), 30 * at45, 1e-6);
+  for (const double side : {-2.0, 2.0}) {
+    EXPECT_NEAR(radiance("quadrant.ies", side, 0), 30 * at45, 1e-6);
+    EXPECT_NEAR(radiance("quadrant.ies", 0, side), 60 * at45, 1e-6);
+    EXPECT_NEAR(radiance("quadrant.ies", side * std::sqrt(0.5), std::sqrt(2)), 45 * at45, 1e-6);
+  }
+  const std::string scene = test::view_text() + "lights: [{position: [0, 2, 0], ies: NAME}]\nscene: []\n";
+  const auto error = [&](const std::string& name) {
+    std::string text = scene;
+    return test::error_of(text.replace(text.find("NAME"), 4, name));
+  };
+  EXPECT_NE(error("bad.ies").find("bad.ies:6:"), std::string::npos) << error("bad.ies");
+  EXPECT_NE(error("none.ies").find("scene.yaml:2:"), std::string::npos) << error("none.ies");
+}
+
 TEST(Path, AbsorptionFollowsBeer) {
   // Straight through 2 units of glass that keeps half of the red light a unit: 1/4, times what two faces
   // pass.
