@@ -115,16 +115,24 @@ std::vector<std::byte> rgb8_of(const Image& image) {
   return bytes;
 }
 
-/// OpenImageIO's module, which stands beside the executable or in ../lib, as its run path says.
+/// OpenImageIO's module, which stands beside the executable or in ../lib; a test's executable stands below.
 ReadImageFunction* load_reader() {
   static ReadImageFunction* const reader = [] {
-    void* module = dlopen("rayfarm_image_formats.so", RTLD_NOW | RTLD_LOCAL);
+    const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    void* module = nullptr;
+    for (const char* place : {".", "../lib", ".."}) {
+      const std::filesystem::path path = folder / place / "rayfarm_image_formats.so";
+      if (module || !std::filesystem::exists(path)) continue;
+      module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+      if (!module)
+        throw IoError(fmt::format("OpenImageIO can't be loaded: {}; ./deploy/setup installs it", dlerror()));
+    }
     void* symbol = module ? dlsym(module, kReadImageSymbol) : nullptr;
     if (!symbol)
       throw IoError(
-          fmt::format("OpenImageIO can't be loaded: {}; the file belongs beside the executable or in "
-                      "../lib, and libopenimageio must be installed (./deploy/setup does both)",
-                      dlerror()));
+          fmt::format("OpenImageIO can't be loaded: rayfarm_image_formats.so is missing; it belongs beside "
+                      "the executable ({}) or in ../lib",
+                      folder.string()));
     return reinterpret_cast<ReadImageFunction*>(symbol);
   }();
   return reader;

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "common/materials/scattering.h"
+#include "common/math/portable_math.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
@@ -176,7 +177,7 @@ double luminaire_area(const Scene& scene, const Light& light) {
   const double area = area_in_object(scene, light);
   if (place.is_identity) return area;
   if (light.primitive.kind() == PrimitiveKind::sphere)  // near enough: it only guides the choice
-    return area / std::cbrt(std::pow(glm::determinant(place.object_from_world.linear), 2));
+    return area / portable_pow(std::abs(glm::determinant(place.object_from_world.linear)), 2.0 / 3);
   return area * area_scale(place, normalized(fan_cross(corners_of(scene, light), 1)));
 }
 
