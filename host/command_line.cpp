@@ -100,6 +100,11 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
       ->check(CLI::Range(0.0, 1e6));
   render->add_option("--samples,--spp", o.settings.samples, "rays per pixel (default: 1)")
       ->check(CLI::Range(1u, 1u << 20));
+  render
+      ->add_option("--adaptive", o.settings.adaptive_contrast,
+                   "trace all samples only in pixels whose first sample differs by more than this from a "
+                   "neighbour's (default: 0, in all)")
+      ->check(CLI::Range(0.0, 1e6));
   add_choice<SamplingPattern>(render, "--sampling", o.settings.sampling,
                               {{"sobol", SamplingPattern::sobol},
                                {"regular", SamplingPattern::regular},
@@ -210,6 +215,8 @@ void check_render(const RenderOptions& o) {
     throw CLI::ValidationError("--sampling corners takes one ray per corner, too few for --shutter");
   if (o.settings.sampling == SamplingPattern::corners && o.settings.samples != 1)
     throw CLI::ValidationError("--sampling corners takes one ray per corner; leave --samples at 1");
+  if (o.settings.adaptive_contrast > 0 && o.settings.samples < 2)
+    throw CLI::ValidationError("--adaptive chooses where more than one sample is taken; set --samples");
   if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)
     throw CLI::ValidationError(
         "--wire pixel carries three bytes of colour; use --pixel-format rgb8 or --wire block");

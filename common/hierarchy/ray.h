@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/math/index.h"
 #include "common/math/vector.h"
 
 namespace rayfarm {
@@ -26,7 +27,6 @@ constexpr PrimitiveId make_primitive_id(PrimitiveKind kind, uint32_t index) {
   return {static_cast<uint32_t>(kind) << 30 | index};
 }
 
-inline constexpr uint32_t kNone = ~0u;
 inline constexpr PrimitiveId kNoPrimitive{kNone};
 
 /// The closest hit. Among hits at the same t the smallest (instance, primitive) wins, so that the answer does

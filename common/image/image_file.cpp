@@ -17,17 +17,12 @@
 #include <cstring>
 #include <filesystem>
 
+#include "common/image/half_float.h"
 #include "common/image/png_file.h"
 #include "common/scene/input_error.h"
 
 namespace rayfarm {
 namespace {
-
-std::string extension_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 double channel_value(const Image& image, size_t pixel, size_t channel) {
   const std::byte* p = image.pixels.data() + pixel * bytes_per_pixel(image.format);
@@ -37,7 +32,7 @@ double channel_value(const Image& image, size_t pixel, size_t channel) {
     case PixelFormat::half_float: {
       const auto bits = static_cast<uint16_t>(static_cast<unsigned>(p[2 * channel]) |
                                               static_cast<unsigned>(p[2 * channel + 1]) << 8);
-      return static_cast<double>(static_cast<float>(Imath::half(Imath::half::FromBits, bits)));
+      return float_of_half(bits);
     }
     case PixelFormat::float32: {
       uint32_t bits = 0;
@@ -148,6 +143,12 @@ void sync_file(const std::string& path) {
 }
 
 }  // namespace
+
+std::string extension_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
 
 bool is_writable_image(const std::string& path) {
   const std::string extension = extension_of(path);

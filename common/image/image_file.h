@@ -18,6 +18,9 @@ struct Image {
   std::vector<std::byte> pixels;  ///< window height × width, row-major, origin top left
 };
 
+/// The file name's extension in small letters, with its dot.
+std::string extension_of(const std::string& path);
+
 /// True if `path` ends in an extension that can be written: .exr or .png.
 bool is_writable_image(const std::string& path);
 /// What a file of this name holds: PNG rgb8, EXR half.

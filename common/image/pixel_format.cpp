@@ -1,10 +1,9 @@
 #include "common/image/pixel_format.h"
 
-#include <Imath/half.h>
-
 #include <array>
 #include <cstring>
 
+#include "common/image/half_float.h"
 #include "common/math/portable_math.h"
 
 namespace rayfarm {
@@ -59,9 +58,7 @@ void encode_pixel(PixelFormat format, const Color& color, std::byte* out) {
         *out++ = static_cast<std::byte>(encode_srgb8(value));
         break;
       case PixelFormat::half_float: {
-        // Beyond half's range a picture would hold infinity, which viewers and codecs handle badly.
-        const Imath::half h(static_cast<float>(std::clamp(value, -65504.0, 65504.0)));
-        const uint16_t bits = h.bits();
+        const uint16_t bits = half_of_float(value);
         *out++ = static_cast<std::byte>(bits & 0xff);
         *out++ = static_cast<std::byte>(bits >> 8);
         break;

@@ -20,7 +20,7 @@ struct Light {
   PrimitiveId primitive{};
   uint32_t first_vertex = 0, vertex_count = 0;  ///< of a luminous triangle or polygon, in luminaire_vertices
   uint32_t material = 0;
-  uint32_t diagram = 0xffffffffu, padding = 0;  ///< of a bulb whose intensity differs by direction
+  uint32_t diagram = kNone, padding = 0;  ///< of a bulb whose intensity differs by direction
   Vec3 position{0};
   Vec3 direction{0, -1, 0};  ///< unit; in which the light shines
   Vec3 zero{1, 0, 0};        ///< unit, across `direction`: where a diagram's horizontal angle is 0

@@ -112,12 +112,9 @@ LightSample sample_luminaire(const Scene& scene, const Pose& pose, const Light& 
     const Vec3 to_light = point.p - p;
     const double square = glm::dot(to_light, to_light);
     result.to_light = normalized(to_light);
-    const double cosine = -glm::dot(point.normal, result.to_light);
-    if (!(cosine > 0) || !(square > 0)) return {};
-    result.pdf = point.density * square / cosine;
+    result.pdf = point.density * square / -glm::dot(point.normal, result.to_light);
   }
-  const double cosine = -glm::dot(point.normal, result.to_light);
-  if (!(cosine > 0)) return {};
+  if (!(glm::dot(point.normal, result.to_light) < 0) || !(result.pdf > 0)) return {};
   result.target = point.p + rounding_bound(std::max(point.magnitude, max_magnitude(p))) * point.normal;
   result.incident =
       emitted(scene.materials[light.material], {-result.to_light, point.normal, true, 1}) / result.pdf;
@@ -146,11 +143,10 @@ LightSample sample_light(const Scene& scene, const Pose& pose, const Light& ligh
                                       light.direction, light.zero, -result.to_light);
   if (light.kind == LightKind::spot) {
     const double cosine = -glm::dot(light.direction, result.to_light);
-    const double part = light.cosine_full > light.cosine_none
-                            ? (cosine - light.cosine_none) / (light.cosine_full - light.cosine_none)
-                            : cosine >= light.cosine_full;
-    const double x = std::clamp(part, 0.0, 1.0);
-    result.incident *= x * x * (3 - 2 * x);
+    if (light.cosine_full > light.cosine_none)
+      result.incident *= smooth_step(light.cosine_none, light.cosine_full, cosine);
+    else if (cosine < light.cosine_full)
+      result.incident = Color(0);
   }
   return result;
 }

@@ -61,11 +61,11 @@ class LightingTree {
       const bool is_thesis = settings_.lighting == LightingModel::thesis;
       // Rays stand in for ambient light in the thesis's model.
       const Color ambient = is_thesis ? Color(0) : material.ambient * scene_.head().ambient;
-      shaded.push_back(
+      Shaded& s = shaded.push_back(
           {surface, &material, color, rays[i].direction, branches[i], &colors[i], ambient, Color(0)});
-      shaded[shaded.size() - 1].branch.width = width;
-      if (is_luminaire(material)) add_emission(shaded[shaded.size() - 1], hits[i]);
-      if (branches[i].is_diffuse) shaded[shaded.size() - 1].branch.weight *= strength(hits[i].t);
+      s.branch.width = width;
+      if (is_luminaire(material)) add_emission(s, hits[i]);
+      if (branches[i].is_diffuse) s.branch.weight *= strength(hits[i].t);
     }
     if (shaded.empty()) return;
     add_direct_light(shaded.span());

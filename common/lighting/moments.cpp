@@ -2,11 +2,18 @@
 
 namespace rayfarm {
 namespace {
+
 constexpr size_t kMoments = 64;  // so many that their number does not show
+
+bool moves(const Scene& scene) {
+  return std::any_of(scene.curves.begin(), scene.curves.end(),
+                     [](const CurveRecord& curve) { return curve.key_count > 1; });
 }
 
+}  // namespace
+
 std::span<const Moment> Moments::at(int frame, const RenderSettings& settings) {
-  const size_t count = settings.shutter > 0 ? kMoments : 1;
+  const size_t count = settings.shutter > 0 && moves(scene_) ? kMoments : 1;
   while (poses_.size() < count) poses_.emplace_back(scene_);
   moments_.clear();
   for (size_t i = 0; i < count; ++i) {

@@ -17,7 +17,8 @@ class Moments {
  public:
   explicit Moments(const Scene& scene) : scene_(scene) {}
 
-  /// The moments of `frame`, evenly spread from `frame` to `frame + shutter`; one if the shutter only blinks.
+  /// The moments of `frame`, evenly spread from `frame` to `frame + shutter`; one if the shutter only blinks
+  /// or nothing moves.
   /// Valid until the next call. Throws std::domain_error if there is no such view or pose.
   std::span<const Moment> at(int frame, const RenderSettings& settings);
 

@@ -32,17 +32,17 @@ class PathTracer {
         pose_(context.pose),
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
-        counts_(counts),
-        spread_(context.spread) {}
+        counts_(counts) {}
 
-  void trace(std::span<const Ray> rays, std::span<const SampleId> ids, Color* colors) {
+  /// `spread`: of the rays' cones.
+  void trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors) {
     for (size_t i = 0; i < rays.size(); ++i) {
       colors[i] = Color(0);
       rays_.push_back(rays[i]);
       Path path;
       path.color = &colors[i];
       path.id = ids[i];
-      path.spread = spread_;
+      path.spread = spread;
       paths_.push_back(path);
     }
     while (!rays_.empty()) step();
@@ -196,7 +196,6 @@ class PathTracer {
   const RenderSettings& settings_;
   const Sampler& sampler_;
   RayCounts& counts_;
-  double spread_;
   OfPacket<Ray> rays_, shadow_rays_;
   OfPacket<Path> paths_;
   OfPacket<ShadowColor> shadow_colors_;
@@ -206,7 +205,7 @@ class PathTracer {
 
 void trace_paths(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
                  RayCounts& counts, Color* colors) {
-  PathTracer(context, counts).trace(rays, ids, colors);
+  PathTracer(context, counts).trace(rays, ids, context.spread, colors);
 }
 
 }  // namespace rayfarm

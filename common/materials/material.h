@@ -2,6 +2,7 @@
 // What a surface is made of: plain data, the same in a scene's description and in its compiled block.
 #include <cstdint>
 
+#include "common/math/index.h"
 #include "common/math/vector.h"
 
 namespace rayfarm {
@@ -28,15 +29,15 @@ struct Material {
   // What every hit asks for stands together with the above.
   MaterialKind kind = MaterialKind::classical;
   int32_t priority = 0;  ///< where dielectrics overlap the one of the highest priority is there
-  uint32_t texture = 0xffffffffu, bump = 0xffffffffu;  ///< ~0: none
-  Color emission{0};                                   ///< radiance along the normal
+  uint32_t texture = kNone, bump = kNone;
+  Color emission{0};  ///< radiance along the normal
 
   double bump_height = 0;  ///< of the bump texture's white over its black
   /// Spread of what is reflected or refracted, cosⁿ about its direction; 0: none, the surface is smooth. Of a
   /// luminaire: its radiance falls with cosⁿ.
   double exponent = 0;
-  Color n{1}, k{0};              ///< complex index of refraction of a conductor
-  uint32_t metal = 0xffffffffu;  ///< whose n and k these are (materials/presets.h); ~0: given by number
+  Color n{1}, k{0};        ///< complex index of refraction of a conductor
+  uint32_t metal = kNone;  ///< whose n and k these are (materials/presets.h); none if given by number
   uint32_t padding = 0;
   double abbe = 0;  ///< dispersion of a dielectric: its Abbe number; 0: none
   Color filter{1};  ///< what is left of light after one unit of length in a dielectric

@@ -49,11 +49,6 @@ std::vector<Vec3> node_weights(const std::vector<double>& nodes) {
   return weights;
 }
 
-double smooth_step(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
 /// Three smooth bands whose sum is 1 everywhere, near to what looks red, green and blue.
 Vec3 bands(double nm) {
   const double blue = 1 - smooth_step(470, 520, nm), red = smooth_step(570, 610, nm);

@@ -24,6 +24,12 @@ inline double max_magnitude(const Vec3& v) {
   return max_component(glm::abs(v));
 }
 
+/// 0 below `low`, 1 above `high`, a cubic without a kink between.
+inline double smooth_step(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
 /// The direction of `v`, safe for lengths whose square would under- or overflow. Zero stays zero.
 inline Vec3 normalized(const Vec3& v) {
   const double square = glm::dot(v, v);

@@ -1,5 +1,7 @@
 #pragma once
 // The view in one frame: the display polygon at distance one from the viewpoint (thesis 2.3.2, Equation 2.8).
+#include <optional>
+
 #include "common/scene/scene.h"
 
 namespace rayfarm {
@@ -12,6 +14,21 @@ struct Camera {
   // The lens: what is `focus` away in the direction of view is sharp.
   Vec3 right{0}, up{0};  ///< unit
   double lens_radius = 0, focus = 1;
+
+  /// Where a point is seen through the lens's middle, if it lies before it.
+  struct Projection {
+    Vec2 raster{0};            ///< as ray() takes it
+    double px_per_length = 0;  ///< of lengths across the view at the point's depth
+  };
+  std::optional<Projection> project(const Vec3& p) const {
+    const Vec3 v = p - location, forward = glm::cross(up, right);
+    const double depth = glm::dot(v, forward);
+    if (!(depth > 0)) return std::nullopt;
+    const Vec3 offset = v / depth - top_left;
+    return Projection{
+        {glm::dot(offset, per_x) / glm::dot(per_x, per_x), glm::dot(offset, per_y) / glm::dot(per_y, per_y)},
+        1 / (depth * glm::length(per_x))};
+  }
 
   /// How much wider a pixel is with each unit of distance, in the image's middle.
   double spread() const { return glm::length(per_x); }

@@ -38,8 +38,10 @@ struct RenderSettings {
   SamplingPattern sampling = SamplingPattern::sobol;
   FilterKind filter = FilterKind::box;
   ColourModel colour = ColourModel::rgb;
-  double shutter = 0;         ///< how long it is open, in frames
-  uint32_t samples = 1;       ///< per pixel
+  double shutter = 0;    ///< how long it is open, in frames
+  uint32_t samples = 1;  ///< per pixel
+  /// Pixels whose first samples differ by no more than this from their neighbours' get no others; 0: all do.
+  double adaptive_contrast = 0;
   uint32_t max_depth = 5;     ///< of the lighting tree, or of a path; the eye ray is depth 1
   double min_weight = 1e-6;   ///< rays that would contribute less are not traced; 0: no cut-off
   uint32_t diffuse_rays = 1;  ///< N_D of the thesis's model, per hit
@@ -51,8 +53,9 @@ struct RenderSettings {
 
   template <typename Archive>
   void serialize(Archive& archive) {
-    archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples, max_depth,
-            min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, seed, pixel_format);
+    archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples,
+            adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, seed,
+            pixel_format);
   }
 };
 

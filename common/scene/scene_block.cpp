@@ -131,11 +131,13 @@ void check_indices(const Scene& s) {
   }
   require(s.triangle_uvs.empty() || s.triangle_uvs.size() == 3 * s.triangle_shading.size(),
           "the triangles' coordinates");
-  for (const Material& m : s.materials)
+  for (const Material& m : s.materials) {
+    require(m.kind <= MaterialKind::luminaire, "a material's kind");
     require((m.texture == kNone || m.texture < s.textures.size()) &&
                 (m.bump == kNone || m.bump < s.textures.size()),
             "a material's texture");
-  for (const Material& m : s.materials) require(m.kind <= MaterialKind::luminaire, "a material's kind");
+    require(m.metal == kNone || m.metal < conductor_names().size(), "a material's metal");
+  }
   for (const CurveRecord& c : s.curves)
     require(c.key_count > 0 && range_fits(c.first_key, c.key_count, s.key_frames.size()) &&
                 c.interpolation <= static_cast<uint32_t>(Interpolation::spherical_rotation),

@@ -161,18 +161,19 @@ class Loader {
     scene_.frames = {first, range[1].whole_number_in(first, 9'999'999)};
   }
 
+  /// In which the files that the scene names are looked for.
+  std::string folder() const { return std::filesystem::path(path_).parent_path().string(); }
+
   void read_lights(const YamlValue& value) {
-    const std::string folder = std::filesystem::path(path_).parent_path().string();
     for (const YamlValue& item : value.items()) {
-      scene_.lights.push_back(read_light(item, folder, scene_));
+      scene_.lights.push_back(read_light(item, folder(), scene_));
       if (scene_.lights.size() > limits::kLights) item.fail("too many lights");
     }
   }
 
   void read_textures(const YamlValue& value) {
-    const std::string folder = std::filesystem::path(path_).parent_path().string();
     for (const auto& [key, v] : value.entries())
-      scene_.textures.push_back(read_texture(key.text(), v, folder, scene_.files));
+      scene_.textures.push_back(read_texture(key.text(), v, folder(), scene_.files));
   }
 
   void read_materials(const YamlValue& value) {
@@ -187,15 +188,7 @@ class Loader {
       if (material_names_[i] == name) return static_cast<uint32_t>(i);
     const std::vector<std::string> defined(material_names_.begin() + (material_names_.empty() ? 0 : 1),
                                            material_names_.end());
-    value.fail(fmt::format("unknown material '{}' ({}){}", name.substr(0, 40), list_of(defined),
-                           suggestion(name, defined)));
-  }
-
-  static std::string list_of(const std::vector<std::string>& names) {
-    if (names.empty()) return "none is defined here";
-    std::string list = "defined here: ";
-    for (size_t i = 0; i < names.size() && i < 12; ++i) list += (i ? ", " : "") + names[i];
-    return names.size() > 12 ? list + ", …" : list;
+    value.fail_unknown("material", defined);
   }
 
   /// Names first, contents after, so that a definition may use one that stands further down.
@@ -276,9 +269,7 @@ class Loader {
       ++contents;
       const std::string used = v->text();
       const auto found = object_ids_.find(used);
-      if (found == object_ids_.end())
-        v->fail(fmt::format("unknown object '{}' ({}){}", used.substr(0, 40), list_of(object_names_),
-                            suggestion(used, object_names_)));
+      if (found == object_ids_.end()) v->fail_unknown("object", object_names_);
       scene_.objects[target].children.push_back({found->second, {}, v->place()});
     }
     if (contents != 1) {

@@ -1,6 +1,6 @@
 #include "common/scene/yaml_materials.h"
 
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <filesystem>
 #include <numbers>
@@ -52,10 +52,7 @@ uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescripti
     if (texture.name == name) return static_cast<uint32_t>(names.size());
     names.push_back(texture.name);
   }
-  value.fail(fmt::format(
-      "unknown texture '{}' ({}){}", name.substr(0, 40),
-      names.empty() ? "none is defined here" : fmt::format("defined here: {}", fmt::join(names, ", ")),
-      suggestion(name, names)));
+  value.fail_unknown("texture", names);
 }
 
 void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
@@ -76,11 +73,8 @@ void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
 
 void read_conductor(const YamlValue& value, MaterialDescription& m) {
   const auto use_preset = [&m](const YamlValue& at) {
-    const std::string name = at.text();
-    const auto metal = find_conductor(name);
-    if (!metal)
-      at.fail(fmt::format("unknown metal '{}'{}; known: {}, or give n and k", name.substr(0, 40),
-                          suggestion(name, conductor_names()), fmt::join(conductor_names(), ", ")));
+    const auto metal = find_conductor(at.text());
+    if (!metal) at.fail_unknown("metal", conductor_names(), "; n and k can be given, too");
     m.metal = *metal;
     for (int c = 0; c < 3; ++c) {
       const ConductorConstants constants = conductor_at(*metal, ColourPass{}.wavelengths_nm[c]);
@@ -108,11 +102,8 @@ void read_conductor(const YamlValue& value, MaterialDescription& m) {
 void read_dielectric(const YamlValue& value, MaterialDescription& m) {
   m.index = 1.5;
   if (!value.is_map()) {
-    const std::string name = value.text();
-    const auto constants = find_dielectric(name);
-    if (!constants)
-      value.fail(fmt::format("unknown substance '{}'{}; known: {}, or give an index", name.substr(0, 40),
-                             suggestion(name, dielectric_names()), fmt::join(dielectric_names(), ", ")));
+    const auto constants = find_dielectric(value.text());
+    if (!constants) value.fail_unknown("substance", dielectric_names(), "; an index can be given, too");
     m.index = constants->index;
     m.abbe = constants->abbe;
   } else {
@@ -159,6 +150,12 @@ void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allo
   m.exponent = read_exponent(map);
   map.finish();
   m.diffuse = 1;
+}
+
+/// A diagram's horizontal angle 0 lies towards `toward`, as far as that is across the light's direction.
+Vec3 across(const Vec3& direction, const Vec3& toward) {
+  const Vec3 v = normalized(toward - glm::dot(toward, direction) * direction);
+  return max_magnitude(v) > 0 ? v : Frame(direction).tangent;
 }
 
 }  // namespace
@@ -214,12 +211,6 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
   if (m.kind == MaterialKind::classical) read_classical(map, m, is_allowed);
   map.finish();
   return m;
-}
-
-/// A diagram's horizontal angle 0 lies towards `toward`, as far as that is across the light's direction.
-Vec3 across(const Vec3& direction, const Vec3& toward) {
-  const Vec3 v = normalized(toward - glm::dot(toward, direction) * direction);
-  return max_magnitude(v) > 0 ? v : Frame(direction).tangent;
 }
 
 Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene) {

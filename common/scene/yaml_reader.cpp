@@ -1,5 +1,7 @@
 #include "common/scene/yaml_reader.h"
 
+#include <fmt/ranges.h>
+
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -93,10 +95,19 @@ size_t YamlValue::choice(const std::vector<std::string>& choices) const {
   const std::string word = text();
   for (size_t i = 0; i < choices.size(); ++i)
     if (choices[i] == word) return i;
-  std::string list;
-  for (const std::string& c : choices) list += (list.empty() ? "" : ", ") + c;
-  fail(fmt::format("unknown {} '{}' (known: {}){}", what_, word.substr(0, 40), list,
-                   suggestion(word, choices)));
+  fail_unknown(what_, choices);
+}
+
+void YamlValue::fail_unknown(const std::string& kind, const std::vector<std::string>& names,
+                             const std::string& otherwise) const {
+  constexpr size_t kMostNames = 24;
+  const std::string word = text();
+  const std::vector<std::string> shown(
+      names.begin(), names.begin() + static_cast<ptrdiff_t>(std::min(names.size(), kMostNames)));
+  fail(
+      fmt::format("unknown {} '{}' (known: {}{}){}{}", kind, word.substr(0, 40),
+                  names.empty() ? "none, as none is defined here" : fmt::format("{}", fmt::join(shown, ", ")),
+                  names.size() > kMostNames ? ", …" : "", suggestion(word, names), otherwise));
 }
 
 std::vector<YamlValue> YamlValue::items() const {

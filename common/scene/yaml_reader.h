@@ -21,6 +21,9 @@ class YamlValue {
   YamlValue(const YAML::Node& node, std::string what, const std::string& file, YamlBudget& budget);
 
   [[noreturn]] void fail(const std::string& problem) const;
+  /// Fails because none of `names` is meant; `otherwise` may say what else can stand here.
+  [[noreturn]] void fail_unknown(const std::string& kind, const std::vector<std::string>& names,
+                                 const std::string& otherwise = "") const;
   Place place() const;
   const std::string& what() const { return what_; }
   bool is_map() const { return node_.IsMap(); }

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "common/math/box.h"
+#include "common/math/index.h"
 
 namespace rayfarm {
 
@@ -13,8 +14,8 @@ struct Polygon {
   double distance = 0;
   uint32_t first_point = 0;
   uint32_t point_count = 0;
-  uint32_t first_normal = ~0u;  ///< ~0: flat
-  uint32_t smoothing = 0;       ///< enum Smoothing
+  uint32_t first_normal = kNone;  ///< none: flat
+  uint32_t smoothing = 0;         ///< enum Smoothing
   uint32_t material = 0;
   uint32_t drop_axis = 0;  ///< the axis along which the polygon is projected: its normal's largest component
 };

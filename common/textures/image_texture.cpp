@@ -1,16 +1,14 @@
 #include "common/textures/image_texture.h"
 
-#include <filesystem>
-
+#include "common/image/half_float.h"
 #include "common/image/image_file.h"
 #include "common/image/pixel_format.h"
-#include "common/textures/half_float.h"
 
 namespace rayfarm {
 
 std::vector<uint16_t> load_texels(const std::string& path, Texture& texture) {
   const ReadImage image = read_image(path);
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = extension_of(path);
   const bool is_linear = extension == ".exr" || extension == ".hdr" || extension == ".pfm";
   const auto columns = static_cast<size_t>(image.width_px), rows = static_cast<size_t>(image.height_px);
   std::vector<Color> level(columns * rows);
@@ -25,7 +23,7 @@ std::vector<uint16_t> load_texels(const std::string& path, Texture& texture) {
   std::vector<uint16_t> texels;
   for (size_t w = columns, h = rows;;) {
     for (const Color& color : level)
-      for (int c = 0; c < 3; ++c) texels.push_back(half_of_float(std::clamp(color[c], 0.0, 65504.0)));
+      for (int c = 0; c < 3; ++c) texels.push_back(half_of_float(std::max(color[c], 0.0)));
     ++texture.levels;
     if (w == 1 && h == 1) break;
     const size_t next_w = std::max<size_t>(1, w / 2), next_h = std::max<size_t>(1, h / 2);

@@ -2,8 +2,8 @@
 
 #include <numbers>
 
+#include "common/image/half_float.h"
 #include "common/math/portable_math.h"
-#include "common/textures/half_float.h"
 #include "common/textures/noise.h"
 
 namespace rayfarm {
@@ -11,11 +11,6 @@ namespace {
 
 Color between(const Texture& t, double part) {
   return t.first + std::clamp(part, 0.0, 1.0) * (t.second - t.first);
-}
-
-double smooth(double low, double high, double x) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
 }
 
 double fraction(double x) {
@@ -27,7 +22,7 @@ Color checker(const Texture& t, const Vec3& p, double width) {
   const double sum = cell.x + cell.y + cell.z;
   const double part = sum - 2 * std::floor(sum / 2);
   // What a ray sees of many squares at once is their mean.
-  return between(t, part + (0.5 - part) * smooth(0.7, 2, width));
+  return between(t, part + (0.5 - part) * smooth_step(0.7, 2, width));
 }
 
 Color marble(const Texture& t, const Vec3& p, double width) {
@@ -44,8 +39,8 @@ double wood_rings(const Texture& t, const Vec3& p, double width) {
   const double wobble = 0.15 * t.strength * turbulence(Vec3(p.x, 0.15 * p.y, p.z), t.octaves, t.seed, width);
   const double radius = std::max(0.0, std::sqrt(p.x * p.x + p.z * p.z) * taper + wobble);
   const double ring = fraction(radius * radius);
-  const double seen = ring < 0.7 ? smooth(0, 0.7, ring) : 1 - smooth(0.7, 1, ring);
-  return seen + (0.4 - seen) * smooth(0.3, 1, width * 2 * std::max(radius, 0.5));
+  const double seen = ring < 0.7 ? smooth_step(0, 0.7, ring) : 1 - smooth_step(0.7, 1, ring);
+  return seen + (0.4 - seen) * smooth_step(0.3, 1, width * 2 * std::max(radius, 0.5));
 }
 
 /// Each board is cut from another place of the tree, which the noise at its corner chooses (Shirley, Sung and
@@ -60,7 +55,7 @@ Color boards(const Texture& t, const Vec3& p, double width) {
   const double tint = 0.85 + 0.15 * cell_number(corner, t.seed + 4);
   const double across = std::abs(in_board.x - 0.5), end = std::abs(fraction(along) - 0.5) * t.aspect;
   const double joint =
-      std::max(smooth(0.5 - t.gap, 0.5, across), smooth(t.aspect / 2 - t.gap, t.aspect / 2, end));
+      std::max(smooth_step(0.5 - t.gap, 0.5, across), smooth_step(t.aspect / 2 - t.gap, t.aspect / 2, end));
   return between(t, wood_rings(t, place + in_board, width)) * tint * (1 - 0.8 * joint * (t.gap > 0 ? 1 : 0));
 }
 
@@ -70,7 +65,7 @@ Color bricks(const Texture& t, const Vec3& p, double width) {
   const double x = std::abs(fraction(along) - 0.5) * t.aspect, y = std::abs(fraction(p.y) - 0.5);
   const double edge = std::min(t.aspect / 2 - x, 0.5 - y);
   const double soft = std::max(width, 0.02);
-  const double mortar = 1 - smooth(t.gap / 2 - soft / 2, t.gap / 2 + soft / 2, edge);
+  const double mortar = 1 - smooth_step(t.gap / 2 - soft / 2, t.gap / 2 + soft / 2, edge);
   const double tint = 1 - t.strength * (0.4 * cell_number(corner, t.seed) +
                                         0.15 * turbulence(4.0 * p, t.octaves, t.seed, 4 * width));
   return (1 - mortar) * std::max(tint, 0.0) * t.first + mortar * t.second;

@@ -1,5 +1,5 @@
 // The lighting models against answers that can be worked out by hand, and against each other.
-#include "common/lighting/render.h"
+#include "common/lighting/renderer.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "tests/unit/test_scene.h"
 

@@ -1,7 +1,7 @@
 // Analytic answers: what Equations 2.4 and 2.12 give where they can be worked out by hand.
 #include <cstring>
 
-#include "common/lighting/render.h"
+#include "common/lighting/renderer.h"
 #include "common/math/portable_math.h"
 #include "tests/unit/test_scene.h"
 
@@ -208,11 +208,8 @@ TEST(Render, CornersAreSharedAndCountedOnce) {
   settings.width_px = settings.height_px = 24;
   settings.crop = {0, 0, 24, 24};
   settings.sampling = SamplingPattern::corners;
-  Moments moments(compiled.scene);
-  const auto render = [&](const PixelRect& rect) {
-    return render_rect(make_coloured_scenes(compiled.scene, settings.colour), moments.at(0, settings),
-                       settings, 0, rect, [] {});
-  };
+  Renderer renderer(compiled.scene, settings);
+  const auto render = [&](const PixelRect& rect) { return renderer.render(0, rect, [] {}); };
   const RenderedPixels whole = render(settings.crop);
   EXPECT_EQ(whole.counts.primary, 25u * 25u);
   RayCounts sum;
@@ -239,9 +236,7 @@ TEST(PixelFormat, SrgbThereAndBack) {
 std::vector<float> render_floats(const CompiledScene& compiled, RenderSettings settings,
                                  const PixelRect& rect, int frame = 0) {
   settings.pixel_format = PixelFormat::float32;
-  Moments moments(compiled.scene);
-  const RenderedPixels rendered = render_rect(make_coloured_scenes(compiled.scene, settings.colour),
-                                              moments.at(frame, settings), settings, frame, rect, [] {});
+  const RenderedPixels rendered = Renderer(compiled.scene, settings).render(frame, rect, [] {});
   std::vector<float> floats(rendered.pixels.size() / 4);
   std::memcpy(floats.data(), rendered.pixels.data(), rendered.pixels.size());
   return floats;

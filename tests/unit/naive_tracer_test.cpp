@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "common/lighting/render.h"
+#include "common/lighting/renderer.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -166,14 +166,12 @@ void compare(const std::string& path, int width, int height) {
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
   const SceneDescription description = load_scene(path);
   const CompiledScene compiled = compile(description);
-  Moments moments(compiled.scene);
   RenderSettings settings;
   settings.width_px = width;
   settings.height_px = height;
   settings.crop = {0, 0, width, height};
   settings.pixel_format = PixelFormat::float32;
-  const RenderedPixels ours = render_rect(make_coloured_scenes(compiled.scene, settings.colour),
-                                          moments.at(0, settings), settings, 0, settings.crop, [] {});
+  const RenderedPixels ours = Renderer(compiled.scene, settings).render(0, settings.crop, [] {});
 
   const ViewDescription& view = description.view;
   const Vec3 eye(view.location.values[0]), forward = normalized(Vec3(view.look_at->values[0]) - eye);

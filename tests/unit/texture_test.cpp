@@ -1,9 +1,9 @@
 // Textures, parameters of surfaces, and image files: values that can be worked out by hand.
 #include <set>
 
+#include "common/image/half_float.h"
 #include "common/image/image_file.h"
 #include "common/lighting/textured.h"
-#include "common/textures/half_float.h"
 #include "common/textures/image_texture.h"
 #include "common/textures/noise.h"
 #include "tests/unit/test_scene.h"

@@ -1,0 +1,311 @@
+#include "common/lighting/renderer.h"
+
+#include "common/math/inline_vector.h"
+#include "common/sampling/warps.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr size_t kRaysPerPulse = 64;
+// Pixels whose rays are traced together.
+constexpr int kBlockWidth_px = 4, kBlockHeight_px = 2;
+static_assert(kBlockWidth_px * kBlockHeight_px == kMostPacketRays);
+
+template <typename T>
+using OfPacket = InlineVector<T, kMostPacketRays>;
+
+struct Pixel {
+  int x = 0, y = 0;
+};
+
+/// Blocks stand where they do in every picture, however it is cut. Calls visit(block's corner, its pixels
+/// inside `rect`).
+template <typename Visitor>
+void for_each_block(const PixelRect& rect, Visitor visit) {
+  for (int y = rect.y0 / kBlockHeight_px * kBlockHeight_px; y < rect.y1; y += kBlockHeight_px)
+    for (int x = rect.x0 / kBlockWidth_px * kBlockWidth_px; x < rect.x1; x += kBlockWidth_px)
+      visit(Pixel{x, y},
+            PixelRect{std::max(x, rect.x0), std::max(y, rect.y0), std::min(x + kBlockWidth_px, rect.x1),
+                      std::min(y + kBlockHeight_px, rect.y1)});
+}
+
+bool contains(const PixelRect& rect, const Pixel& p) {
+  return p.x >= rect.x0 && p.x < rect.x1 && p.y >= rect.y0 && p.y < rect.y1;
+}
+
+/// A value for each pixel of a rectangle.
+template <typename T>
+class PixelMap {
+ public:
+  PixelMap(const PixelRect& rect, const T& value)
+      : rect_(rect), values_(static_cast<size_t>(rect.area()), value) {}
+  const PixelRect& rect() const { return rect_; }
+  T& operator[](const Pixel& p) {
+    return values_[static_cast<size_t>(p.y - rect_.y0) * static_cast<size_t>(rect_.width()) +
+                   static_cast<size_t>(p.x - rect_.x0)];
+  }
+
+ private:
+  PixelRect rect_;
+  std::vector<T> values_;
+};
+
+}  // namespace
+
+/// One rectangle of the current frame.
+class Renderer::Rendering {
+ public:
+  Rendering(const Renderer& renderer, const PixelRect& rect, const std::function<void()>& pulse)
+      : settings_(renderer.settings_),
+        passes_(renderer.passes_),
+        filter_(renderer.filter_),
+        tables_(*renderer.tables_),
+        moments_(renderer.now_),
+        small_objects_(renderer.small_objects_),
+        rect_(rect),
+        pulse_(pulse) {
+    result_.pixels.resize(static_cast<size_t>(rect.area()) * bytes_per_pixel(settings_.pixel_format));
+  }
+
+  RenderedPixels run() {
+    if (settings_.sampling == SamplingPattern::corners)
+      render_corners();
+    else if (settings_.adaptive_contrast > 0 && settings_.samples > 1)
+      render_adaptively();
+    else
+      for_each_block(rect_, [&](const Pixel& block, const PixelRect& part) {
+        OfPacket<Pixel> pixels;
+        for_each_pixel(part, [&](const Pixel& p) { pixels.push_back(p); });
+        OfPacket<Color> sums;
+        for (size_t i = 0; i < pixels.size(); ++i) sums.push_back(Color(0));
+        add_samples(block, pixels, 0, sums);
+        for (size_t i = 0; i < pixels.size(); ++i) write(pixels[i], mean(sums[i]));
+      });
+    return std::move(result_);
+  }
+
+ private:
+  template <typename Visitor>
+  static void for_each_pixel(const PixelRect& rect, Visitor visit) {
+    for (int y = rect.y0; y < rect.y1; ++y)
+      for (int x = rect.x0; x < rect.x1; ++x) visit(Pixel{x, y});
+  }
+
+  /// Traces eye rays in all passes of the colour model.
+  void trace(const Moment& moment, std::span<const Ray> rays, std::span<const SampleId> ids,
+             RayCounts& counts, Color* colors) {
+    for (const ColouredScene& pass : passes_) {
+      std::array<Color, kMostPacketRays> channels;
+      trace_eye_rays({pass.scene(), moment.pose, tables_, moment.camera.spread()}, rays, ids, counts,
+                     channels.data());
+      for (size_t i = 0; i < rays.size(); ++i) {
+        const Color color = pass.pass().is_rgb ? channels[i] : pass.pass().rgb_from_channels * channels[i];
+        colors[i] = &pass == &passes_.front() ? color : colors[i] + color;
+      }
+    }
+    rays_since_pulse_ += rays.size();
+    if (rays_since_pulse_ < kRaysPerPulse) return;
+    rays_since_pulse_ = 0;
+    pulse_();
+  }
+
+  Ray eye_ray(const Camera& camera, const SampleId& id, double x, double y) const {
+    return camera.has_lens() ? camera.ray(x, y, sample_disk(tables_.sampler.point(id, dimension::kLens)))
+                             : camera.ray(x, y);
+  }
+
+  /// The moment of a sample. All pixels of a block share it, so that their rays stay together.
+  const Moment& moment_of(const Pixel& block, uint32_t sample) const {
+    if (moments_.size() == 1) return moments_.front();
+    const auto r =
+        random_pair(settings_.seed, tables_.sampler.frame(), {block.x, block.y, 0}, dimension::kTime);
+    const uint32_t stratum = permuted(sample, settings_.samples, static_cast<uint64_t>(r[1] * 0x1p53));
+    return moments_[static_cast<size_t>((stratum + r[0]) / settings_.samples *
+                                        static_cast<double>(moments_.size()))];
+  }
+
+  /// Where a sample stands, and what it weighs.
+  PixelFilter::Place place_of(const SampleId& id) const {
+    return filter_.sample(tables_.sampler.point(id, dimension::kScreen));
+  }
+
+  /// One sample of each pixel.
+  void trace_sample(const Pixel& block, std::span<const Pixel> pixels, uint32_t sample, RayCounts& counts,
+                    Color* colors, double* weights) {
+    const Moment& moment = moment_of(block, sample);
+    OfPacket<Ray> rays;
+    OfPacket<SampleId> ids;
+    for (const Pixel& p : pixels) {
+      const SampleId& id = ids.push_back({p.x, p.y, sample});
+      const PixelFilter::Place place = place_of(id);
+      rays.push_back(eye_ray(moment.camera, id, p.x + 0.5 + place.offset.x, p.y + 0.5 + place.offset.y));
+      *weights++ = place.weight;
+    }
+    trace(moment, rays.span(), ids.span(), counts, colors);
+  }
+
+  /// Adds the samples from `first` on.
+  void add_samples(const Pixel& block, const OfPacket<Pixel>& pixels, uint32_t first, OfPacket<Color>& sums) {
+    std::array<Color, kMostPacketRays> colors;
+    std::array<double, kMostPacketRays> weights;
+    for (uint32_t sample = first; sample < settings_.samples; ++sample) {
+      trace_sample(block, pixels.span(), sample, result_.counts, colors.data(), weights.data());
+      for (size_t i = 0; i < pixels.size(); ++i) sums[i] += weights[i] * colors[i];
+    }
+  }
+
+  Color mean(const Color& sum) const { return sum / static_cast<double>(settings_.samples); }
+
+  void write(const Pixel& p, const Color& color) {
+    const auto i = static_cast<size_t>(p.y - rect_.y0) * static_cast<size_t>(rect_.width()) +
+                   static_cast<size_t>(p.x - rect_.x0);
+    encode_pixel(settings_.pixel_format, color,
+                 result_.pixels.data() + i * bytes_per_pixel(settings_.pixel_format));
+  }
+
+  /// Rays through the pixels' corners, shared by the four pixels around each (thesis 2.3.2). Two rows are
+  /// kept.
+  void render_corners() {
+    const auto columns = static_cast<size_t>(rect_.width()) + 1;
+    std::vector<Color> above(columns), below(columns);
+    const auto trace_row = [&](int y, std::vector<Color>& row) {
+      OfPacket<Ray> rays;
+      OfPacket<SampleId> ids;
+      for (size_t i = 0; i < columns; ++i) {
+        const int x = rect_.x0 + static_cast<int>(i);
+        // A corner belongs to the pixel below and right of it; the image's last corners to its last pixels.
+        const auto owns = [&](int column) {
+          return (column < rect_.x1 || column == settings_.crop.x1) &&
+                 (y < rect_.y1 || y == settings_.crop.y1);
+        };
+        const SampleId& id = ids.push_back({x, y, 0});
+        rays.push_back(eye_ray(moments_.front().camera, id, x, y));
+        if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
+        trace(moments_.front(), rays.span(), ids.span(), owns(x) ? result_.counts : counted_elsewhere_,
+              &row[i + 1 - rays.size()]);
+        rays.clear();
+        ids.clear();
+      }
+    };
+    trace_row(rect_.y0, above);
+    for (int y = rect_.y0; y < rect_.y1; ++y, above.swap(below)) {
+      trace_row(y + 1, below);
+      for (size_t i = 0; i + 1 < columns; ++i)
+        write({rect_.x0 + static_cast<int>(i), y},
+              0.25 * (above[i] + above[i + 1] + below[i] + below[i + 1]));
+    }
+  }
+
+  /// More than one sample only where neighbouring samples differ (thesis 2.3.2).
+  void render_adaptively() {
+    PixelMap<Color> firsts = trace_first_samples();
+    PixelMap<char> is_refined = find_differences(firsts);
+    for_each_block(rect_, [&](const Pixel& block, const PixelRect& part) {
+      OfPacket<Pixel> pixels;
+      OfPacket<Color> sums;
+      for_each_pixel(part, [&](const Pixel& p) {
+        if (!is_refined[p]) {
+          write(p, firsts[p]);
+          return;
+        }
+        pixels.push_back(p);
+        sums.push_back(place_of({p.x, p.y, 0}).weight * firsts[p]);
+      });
+      if (pixels.empty()) return;
+      add_samples(block, pixels, 1, sums);
+      for (size_t i = 0; i < pixels.size(); ++i) write(pixels[i], mean(sums[i]));
+    });
+  }
+
+  /// In the rectangle and one pixel around it, as far as the picture goes: so that the choice of pixels does
+  /// not depend on how it is cut.
+  PixelMap<Color> trace_first_samples() {
+    const PixelRect& crop = settings_.crop;
+    PixelMap<Color> firsts({std::max(rect_.x0 - 1, crop.x0), std::max(rect_.y0 - 1, crop.y0),
+                            std::min(rect_.x1 + 1, crop.x1), std::min(rect_.y1 + 1, crop.y1)},
+                           Color(0));
+    for_each_block(firsts.rect(), [&](const Pixel& block, const PixelRect& part) {
+      OfPacket<Pixel> inside, around;
+      for_each_pixel(part, [&](const Pixel& p) { (contains(rect_, p) ? inside : around).push_back(p); });
+      const auto trace_pixels = [&](const OfPacket<Pixel>& pixels, RayCounts& counts) {
+        if (pixels.empty()) return;
+        std::array<Color, kMostPacketRays> colors;
+        std::array<double, kMostPacketRays> weights;
+        trace_sample(block, pixels.span(), 0, counts, colors.data(), weights.data());
+        for (size_t i = 0; i < pixels.size(); ++i) firsts[pixels[i]] = colors[i];
+      };
+      trace_pixels(inside, result_.counts);
+      trace_pixels(around, counted_elsewhere_);
+    });
+    return firsts;
+  }
+
+  bool differ(const Color& a, const Color& b) const {
+    return max_magnitude(a - b) > settings_.adaptive_contrast;
+  }
+
+  PixelMap<char> find_differences(PixelMap<Color>& firsts) {
+    PixelMap<char> differs(rect_, 0);
+    for_each_pixel(rect_, [&](const Pixel& p) {
+      for (int y = p.y - 1; y <= p.y + 1; ++y)
+        for (int x = p.x - 1; x <= p.x + 1; ++x)
+          if (contains(firsts.rect(), {x, y}) && differ(firsts[{x, y}], firsts[p])) differs[p] = 1;
+    });
+    // What first samples miss: rays to the centres of small objects.
+    auto next = std::lower_bound(small_objects_.begin(), small_objects_.end(), rect_.y0,
+                                 [](const SmallObject& o, int y) { return o.y < y; });
+    Pixel last{-1, -1};
+    for (uint32_t in_pixel = 0; next != small_objects_.end() && next->y < rect_.y1; ++next) {
+      const Pixel p{next->x, next->y};
+      in_pixel = p.x == last.x && p.y == last.y ? in_pixel + 1 : 0;
+      last = p;
+      if (!contains(rect_, p) || differs[p]) continue;
+      if (in_pixel >= settings_.samples) {  // as many objects as there could be samples
+        differs[p] = 1;
+        continue;
+      }
+      const SampleId id{p.x, p.y, 0};
+      const Ray ray = moments_.front().camera.ray(next->center.x, next->center.y);
+      Color color(0);
+      trace(moments_.front(), std::span(&ray, 1), std::span(&id, 1), result_.counts, &color);
+      if (differ(color, firsts[p])) differs[p] = 1;
+    }
+    return differs;
+  }
+
+  const RenderSettings& settings_;
+  std::span<const ColouredScene> passes_;
+  const PixelFilter& filter_;
+  const SamplingTables& tables_;
+  std::span<const Moment> moments_;
+  std::span<const SmallObject> small_objects_;
+  PixelRect rect_;
+  const std::function<void()>& pulse_;
+  size_t rays_since_pulse_ = 0;
+  RenderedPixels result_;
+  RayCounts counted_elsewhere_;
+};
+
+Renderer::Renderer(const Scene& scene, const RenderSettings& settings)
+    : settings_(settings),
+      passes_(make_coloured_scenes(scene, settings.colour)),
+      filter_(settings.filter),
+      moments_(scene) {}
+
+RenderedPixels Renderer::render(int frame, const PixelRect& rect, const std::function<void()>& pulse) {
+  if (frame_ != frame) set_frame(frame);
+  return Rendering(*this, rect, pulse).run();
+}
+
+void Renderer::set_frame(int frame) {
+  frame_.reset();  // stays so if the frame can't be set up
+  now_ = moments_.at(frame, settings_);
+  tables_.emplace(settings_, frame);
+  small_objects_.clear();
+  if (settings_.adaptive_contrast > 0)
+    small_objects_ =
+        find_small_objects(passes_.front().scene(), now_.front().pose, now_.front().camera, settings_.crop);
+  frame_ = frame;
+}
+
+}  // namespace rayfarm

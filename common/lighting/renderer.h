@@ -1,0 +1,50 @@
+#pragma once
+// Pixels of a rectangle of the image: the renderer as a node calls it.
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "common/lighting/coloured_scene.h"
+#include "common/lighting/lighting_tree.h"
+#include "common/lighting/moments.h"
+#include "common/lighting/small_objects.h"
+#include "common/sampling/pixel_filter.h"
+
+namespace rayfarm {
+
+struct RenderedPixels {
+  std::vector<std::byte> pixels;  ///< height × width × bytes_per_pixel, row-major, origin top left
+  /// Rays that belong to this rectangle. What is traced for neighbours too (in corner sampling the corners on
+  /// the border, in adaptive sampling the first samples beyond it) is counted once, so that the counts of a
+  /// frame do not depend on how it was cut.
+  RayCounts counts;
+};
+
+/// Renders rectangles of a scene's frames, in any order, with one set of settings.
+class Renderer {
+ public:
+  /// What `scene` looks at must outlive the renderer.
+  Renderer(const Scene& scene, const RenderSettings& settings);
+  Renderer(const Renderer&) = delete;
+
+  /// `pulse` is called between rays, often; what it throws ends the work. Throws std::domain_error if the
+  /// frame has no such view or pose.
+  RenderedPixels render(int frame, const PixelRect& rect, const std::function<void()>& pulse);
+
+ private:
+  class Rendering;
+  void set_frame(int frame);
+
+  RenderSettings settings_;
+  std::vector<ColouredScene> passes_;
+  PixelFilter filter_;
+  Moments moments_;
+
+  // Of the current frame.
+  std::optional<int> frame_;
+  std::optional<SamplingTables> tables_;
+  std::span<const Moment> now_;
+  std::vector<SmallObject> small_objects_;
+};
+
+}  // namespace rayfarm
