@@ -10,8 +10,9 @@ enum class LightKind : uint32_t {
           ///< shows
   bulb,   ///< position, color: radiant intensity, which falls with the square of the distance
   spot,   ///< a bulb that shines about `direction` only
-  distant,   ///< direction, color: irradiance / π; from infinitely far
-  luminaire  ///< a primitive of a luminous material
+  distant,      ///< direction, color: irradiance / π; from infinitely far
+  environment,  ///< the image that is seen behind the scene
+  luminaire     ///< a primitive of a luminous material
 };
 
 struct Light {

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "common/lighting/environment.h"
 #include "common/materials/scattering.h"
 #include "common/math/portable_math.h"
 #include "common/sampling/warps.h"
@@ -126,6 +127,11 @@ LightSample sample_luminaire(const Scene& scene, const Pose& pose, const Light& 
 LightSample sample_light(const Scene& scene, const Pose& pose, const Light& light, const Vec3& p,
                          const Vec2& u) {
   if (light.kind == LightKind::luminaire) return sample_luminaire(scene, pose, light, p, u);
+  if (light.kind == LightKind::environment) {
+    LightSample result = sample_environment(scene, u);
+    result.target = p + scene.head().far_away * result.to_light;
+    return result;
+  }
   LightSample result;
   if (light.kind == LightKind::distant) {
     result.to_light = -light.direction;
@@ -185,16 +191,6 @@ uint32_t find_luminaire(const Scene& scene, uint32_t instance, PrimitiveId primi
                        [&](const Light& light, const auto& wanted) { return key(light) < wanted; });
   if (found == scene.lights.end() || key(*found) != std::pair(instance, primitive.bits)) return kNone;
   return static_cast<uint32_t>(found - scene.lights.begin());
-}
-
-uint32_t choose_light(const Scene& scene, double u) {
-  const auto& shares = scene.light_shares;
-  const auto found = std::upper_bound(shares.begin(), shares.end(), u) - shares.begin();
-  return static_cast<uint32_t>(std::min<ptrdiff_t>(found, static_cast<ptrdiff_t>(shares.size()) - 1));
-}
-
-double choice_probability(const Scene& scene, uint32_t light) {
-  return scene.light_shares[light] - (light > 0 ? scene.light_shares[light - 1] : 0.0);
 }
 
 }  // namespace rayfarm

@@ -27,13 +27,9 @@ double luminaire_area(const Scene& scene, const Light& light);
 /// The source that a primitive is, or kNone.
 uint32_t find_luminaire(const Scene& scene, uint32_t instance, PrimitiveId primitive);
 
-/// A source by importance: u in [0, 1). There must be one.
-uint32_t choose_light(const Scene& scene, double u);
-double choice_probability(const Scene& scene, uint32_t light);
-
 /// True if light from the source can come from several directions.
 inline bool has_extent(const Light& light) {
-  return light.kind == LightKind::luminaire;
+  return light.kind == LightKind::luminaire || light.kind == LightKind::environment;
 }
 
 }  // namespace rayfarm

@@ -2,11 +2,10 @@
 
 #include <numbers>
 
-#include "common/lighting/light_sampling.h"
+#include "common/lighting/environment.h"
 #include "common/lighting/path_tracer.h"
 #include "common/lighting/textured.h"
 #include "common/lighting/torrance_sparrow.h"
-#include "common/materials/scattering.h"
 #include "common/math/inline_vector.h"
 #include "common/math/portable_math.h"
 
@@ -26,6 +25,8 @@ struct Branch {
   uint32_t stream = 0;           ///< tells the branches of one sample apart, for their random numbers
   double width = 0, spread = 0;  ///< of the ray's cone where it begins, and what it gains with each unit
   bool is_diffuse = false;       ///< a diffuse ray of the thesis's model
+  Color* as_diffuse =
+      nullptr;  ///< where to set what a diffuse ray would bring, if this one serves as such, too
 };
 
 /// Up to kMostPacketRays rays of one depth are followed together; what becomes of one does not depend on the
@@ -48,8 +49,9 @@ class LightingTree {
     closest_hits(scene_, pose_, rays, hits.data());
     OfPacket<Shaded> shaded;
     for (size_t i = 0; i < rays.size(); ++i) {
+      if (branches[i].as_diffuse) *branches[i].as_diffuse = Color(0);
       if (!hits[i].is_hit()) {
-        colors[i] = scene_.head().background;
+        colors[i] = eval_background(scene_, rays[i].direction);
         continue;
       }
       Surface surface = eval_surface(scene_, pose_, rays[i], hits[i]);
@@ -67,15 +69,14 @@ class LightingTree {
       if (is_luminaire(material)) add_emission(s, hits[i]);
       if (branches[i].is_diffuse) s.branch.weight *= strength(hits[i].t);
     }
-    if (shaded.empty()) return;
-    add_direct_light(shaded.span());
+    if (!shaded.empty()) add_direct_light(shaded.span());
     if (has_secondary_ && depth < settings_.max_depth) add_secondary_light(shaded.span(), depth);
-    if (settings_.diffuse_reach > 0)
-      for (size_t i = 0; i < rays.size(); ++i)
-        if (branches[i].is_diffuse) {
-          const double s = hits[i].is_hit() ? strength(hits[i].t) : 0;
-          colors[i] = s * colors[i] + (1 - s) * scene_.head().ambient;
-        }
+    if (settings_.lighting != LightingModel::thesis) return;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      if (branches[i].is_diffuse) colors[i] = weakened(colors[i], hits[i]);
+      if (branches[i].as_diffuse)
+        *branches[i].as_diffuse = weakened(colors[i] - *branches[i].as_diffuse, hits[i]);
+    }
   }
 
  private:
@@ -105,16 +106,29 @@ class LightingTree {
     return 1 / (1 + ratio * ratio);
   }
 
+  /// What a diffuse ray brings of the light that it met: ambient light stands in for what is lost.
+  Color weakened(const Color& color, const Hit& hit) const {
+    if (!(settings_.diffuse_reach > 0)) return color;
+    const double s = hit.is_hit() ? strength(hit.t) : 0;
+    return s * color + (1 - s) * scene_.head().ambient;
+  }
+
   /// A primary source that shadow rays are sent to must not be counted again when a diffuse ray meets it.
   void add_emission(Shaded& s, const Hit& hit) const {
-    if (s.branch.is_diffuse && find_luminaire(scene_, hit.instance, hit.primitive) != kNone) return;
-    s.specular += emitted(*s.material, {-s.direction, s.surface.shading_normal, s.surface.is_front, 1});
+    const bool counts_once = s.branch.is_diffuse || s.branch.as_diffuse;
+    const bool is_primary = counts_once && find_luminaire(scene_, hit.instance, hit.primitive) != kNone;
+    if (s.branch.is_diffuse && is_primary) return;
+    const Color light = emitted(*s.material, interaction_at(s.surface, s.direction, *s.material));
+    s.specular += light;
+    if (s.branch.as_diffuse && is_primary) *s.branch.as_diffuse = light;
   }
 
   /// Diffuse and specular terms with a shadow ray to each light in front of the surface.
   void add_direct_light(std::span<Shaded> shaded) {
     for (uint32_t i = 0; i < scene_.lights.size(); ++i) {
       const Light& light = scene_.lights[i];
+      if (light.kind == LightKind::environment)
+        continue;  // diffuse rays meet it, or ambient light stands for it
       OfPacket<Ray> rays;
       OfPacket<Facing> facing;
       for (Shaded& s : shaded) {
@@ -169,15 +183,16 @@ class LightingTree {
     OfPacket<Branch> branches;
     OfPacket<Color> shares;
     OfPacket<Color*> parents;
-    void add(const Shaded& parent, const Vec3& direction, const Color& share, uint32_t child) {
+    Branch& add(const Shaded& parent, const Vec3& direction, const Color& share, uint32_t child) {
       rays.push_back({parent.surface.ray_origin(direction), direction});
-      Branch branch = parent.branch;
+      shares.push_back(share);
+      parents.push_back(parent.color);
+      Branch& branch = branches.push_back(parent.branch);
       branch.weight *= max_component(share);
       branch.stream = static_cast<uint32_t>(mix_bits(uint64_t{branch.stream} << 32 | child));
       branch.is_diffuse = false;
-      branches.push_back(branch);
-      shares.push_back(share);
-      parents.push_back(parent.color);
+      branch.as_diffuse = nullptr;
+      return branch;
     }
   };
   enum Child : uint32_t { kTransmitted = 1, kReflected, kFirstDiffuse };
@@ -189,35 +204,27 @@ class LightingTree {
     Branches transmitted, reflected;
     for (const Shaded& s : shaded) {
       const Material& material = *s.material;
-      if (settings_.lighting == LightingModel::thesis && material.diffuse > 0) add_diffuse_light(s, depth);
-      if (!(material.reflect > 0 || material.transmit > 0)) continue;
-      const Vec3 n = facing_normal(s);
-      const double cosine = -glm::dot(s.direction, n);
+      const bool has_diffuse = settings_.lighting == LightingModel::thesis && material.diffuse > 0;
+      const bool has_mirror = material.reflect > 0 || material.transmit > 0;
+      if (!has_mirror && !has_diffuse) continue;
+      const Interaction at = interaction_at(s.surface, s.direction, material);
       double reflect = material.reflect;
       if (material.transmit > 0) {
-        // Snell: with eta the ratio of the indices outside and inside of the new side.
-        const double eta = s.surface.is_front ? 1 / material.index : material.index;
-        const double k = 1 - eta * eta * (1 - cosine * cosine);
-        if (k < 0)
+        const Vec3 through = refracted(at);
+        if (through == Vec3(0))
           reflect += material.transmit;
         else if (s.branch.weight * material.transmit >= settings_.min_weight)
-          transmitted.add(s, normalized(eta * s.direction + (eta * cosine - std::sqrt(k)) * n),
-                          Color(material.transmit), kTransmitted);
+          transmitted.add(s, through, Color(material.transmit), kTransmitted);
       }
-      if (s.branch.weight * reflect >= settings_.min_weight)
-        reflected.add(s, normalized(s.direction + 2 * cosine * n), Color(reflect), kReflected);
+      const bool is_mirrored = has_mirror && s.branch.weight * reflect >= settings_.min_weight;
+      const Vec3 mirror = is_mirrored ? mirrored(at) : Vec3(0);
+      if (has_diffuse && add_diffuse_light(s, depth, mirror, reflect)) continue;
+      if (is_mirrored) reflected.add(s, mirror, Color(reflect), kReflected);
     }
     counts_.transmitted += transmitted.rays.size();
     follow(transmitted, depth);
     counts_.reflected += reflected.rays.size();
     follow(reflected, depth);
-  }
-
-  /// A shading normal that faces away, at a silhouette, has no mirror direction: the surface's own normal
-  /// has.
-  static Vec3 facing_normal(const Shaded& s) {
-    return glm::dot(s.direction, s.surface.shading_normal) < 0 ? s.surface.shading_normal
-                                                               : s.surface.geometric_normal;
   }
 
   void follow(const Branches& branches, uint32_t depth) {
@@ -228,14 +235,22 @@ class LightingTree {
     for (size_t i = 0; i < colors.size(); ++i) *branches.parents[i] += branches.shares[i] * colors[i];
   }
 
+  /// A diffuse ray and what it brought.
+  struct Gathered {
+    Vec3 direction{0};
+    Color color{0};
+  };
+
   /// Light from secondary sources (Equation 3.6a, second term): this sample's part of the pixel's directions,
-  /// and one more between neighbours that differ (3.3).
-  void add_diffuse_light(const Shaded& s, uint32_t depth) {
+  /// and one more between neighbours that differ (3.3). A reflected ray along `mirror` (0: there is none)
+  /// that falls into a diffuse ray's own cone serves both terms (3.4); then its reflected light is added,
+  /// too, and the answer is true.
+  bool add_diffuse_light(const Shaded& s, uint32_t depth, const Vec3& mirror, double reflect) {
     const auto directions = tables_.diffuse_directions.about_y();
     const auto samples = SamplingTables::samples_that_share_directions(settings_);
     const Color share = (s.material->diffuse / settings_.diffuse_rays) * s.surface_color;
     if (!(s.branch.weight * max_component(share) >= settings_.min_weight) || max_component(share) == 0)
-      return;
+      return false;
     // One turn for all samples of a pixel keeps the set together; each takes a part of it, in random order.
     SampleId pixel = s.branch.id;
     uint32_t sample = pixel.sample;
@@ -249,43 +264,66 @@ class LightingTree {
                                s.branch.stream << 8 | dimension::kPattern);
     const double turn = 2 * std::numbers::pi * r[0];
     const uint32_t part = permuted(sample, samples, static_cast<uint64_t>(r[1] * 0x1p53));
+    // Of n rays each stands for 2π / n of the hemisphere: a cap of this cosine.
+    const double cosine_of_cone = 1 - 1 / static_cast<double>(directions.size());
 
-    const auto direction_of = [&](uint32_t ray) {
-      return rotated_to(s.surface.shading_normal, directions[part + ray * samples], turn);
-    };
-    std::vector<Color> colors(settings_.diffuse_rays);
-    std::vector<Vec3> rays(settings_.diffuse_rays);
-    for (uint32_t i = 0; i < settings_.diffuse_rays; ++i) rays[i] = direction_of(i);
-    trace_diffuse(s, rays, share, kFirstDiffuse, depth, colors.data());
-    for (const Color& color : colors) *s.color += share * color;
-    if (!(settings_.diffuse_contrast > 0)) return;
-    for (uint32_t i = 0; i + 1 < settings_.diffuse_rays; ++i) {
-      if (!(glm::dot(rays[i], rays[i + 1]) > kLeastNeighborCosine)) continue;
-      if (!(s.branch.weight * max_magnitude(share * (colors[i] - colors[i + 1])) >
-            settings_.diffuse_contrast))
-        continue;
-      const Vec3 between = normalized(rays[i] + rays[i + 1]);
-      Color extra;
-      trace_diffuse(s, std::span(&between, 1), share, kFirstDiffuse + settings_.diffuse_rays + i, depth,
-                    &extra);
-      // (a + b) / 2, what the two see of the gap between them, becomes (a + 2 e + b) / 4.
-      *s.color += 0.25 * share * (2.0 * extra - colors[i] - colors[i + 1]);
+    bool serves_both = false;
+    Color sum(0);
+    Gathered last;
+    for (uint32_t begin = 0; begin < settings_.diffuse_rays; begin += kMostPacketRays) {
+      const uint32_t end = std::min<uint32_t>(begin + kMostPacketRays, settings_.diffuse_rays);
+      Branches branches;
+      std::array<Color, kMostPacketRays> colors, as_diffuse;
+      size_t both = kMostPacketRays;  // which of the rays serves both terms
+      for (uint32_t i = begin; i < end; ++i) {
+        const Vec3 direction = rotated_to(s.surface.shading_normal, directions[part + i * samples], turn);
+        if (!serves_both && glm::dot(direction, mirror) > cosine_of_cone) {
+          serves_both = true;
+          both = i - begin;
+          branches.add(s, mirror, share + reflect, kReflected).as_diffuse = &as_diffuse[both];
+          ++counts_.reflected;
+        } else {
+          add_diffuse(branches, s, direction, share, kFirstDiffuse + i);
+        }
+      }
+      trace(branches.rays.span(), branches.branches.span(), depth + 1, colors.data());
+      for (size_t k = 0; k < branches.rays.size(); ++k) {
+        if (k == both) {
+          *s.color += reflect * colors[k];
+          colors[k] = as_diffuse[k];
+        }
+        const Gathered now{branches.rays[k].direction, colors[k]};
+        sum += now.color;
+        if (settings_.diffuse_contrast > 0 && begin + k > 0)
+          sum += between(s, last, now, share, begin + static_cast<uint32_t>(k), depth);
+        last = now;
+      }
     }
+    *s.color += share * sum;
+    return serves_both;
   }
 
-  void trace_diffuse(const Shaded& s, std::span<const Vec3> directions, const Color& share,
-                     uint32_t first_child, uint32_t depth, Color* colors) {
-    for (size_t begin = 0; begin < directions.size(); begin += kMostPacketRays) {
-      Branches branches;
-      const size_t end = std::min(begin + kMostPacketRays, directions.size());
-      for (size_t i = begin; i < end; ++i) {
-        branches.add(s, directions[i], share, first_child + static_cast<uint32_t>(i));
-        branches.branches[i - begin].is_diffuse = true;
-        branches.branches[i - begin].spread = kDiffuseSpread;
-      }
-      counts_.diffuse += end - begin;
-      trace(branches.rays.span(), branches.branches.span(), depth + 1, colors + begin);
-    }
+  void add_diffuse(Branches& branches, const Shaded& s, const Vec3& direction, const Color& share,
+                   uint32_t child) {
+    Branch& branch = branches.add(s, direction, share, child);
+    branch.is_diffuse = true;
+    branch.spread = kDiffuseSpread;
+    ++counts_.diffuse;
+  }
+
+  /// What one more ray between two neighbours that differ adds to the sum: (a + b) / 2, what the two see of
+  /// the gap between them, becomes (a + 2 e + b) / 4.
+  Color between(const Shaded& s, const Gathered& a, const Gathered& b, const Color& share, uint32_t ray,
+                uint32_t depth) {
+    if (!(glm::dot(a.direction, b.direction) > kLeastNeighborCosine)) return Color(0);
+    if (!(s.branch.weight * max_magnitude(share * (a.color - b.color)) > settings_.diffuse_contrast))
+      return Color(0);
+    Branches branches;
+    add_diffuse(branches, s, normalized(a.direction + b.direction), share,
+                kFirstDiffuse + settings_.diffuse_rays + ray);
+    Color extra;
+    trace(branches.rays.span(), branches.branches.span(), depth + 1, &extra);
+    return 0.25 * (2.0 * extra - a.color - b.color);
   }
 
   const SamplingTables& tables_;

@@ -1,9 +1,9 @@
 #include "common/lighting/path_tracer.h"
 
-#include "common/lighting/light_sampling.h"
+#include "common/lighting/environment.h"
+#include "common/lighting/light_choice.h"
 #include "common/lighting/media.h"
 #include "common/lighting/textured.h"
-#include "common/materials/scattering.h"
 #include "common/math/inline_vector.h"
 #include "common/math/portable_math.h"
 
@@ -32,7 +32,8 @@ class PathTracer {
         pose_(context.pose),
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
-        counts_(counts) {}
+        counts_(counts),
+        environment_(find_environment(context.scene)) {}
 
   /// `spread`: of the rays' cones.
   void trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors) {
@@ -77,7 +78,11 @@ class PathTracer {
   /// Adds what the path finds where it hits, and turns `ray` into what follows. False: the path ends.
   bool visit(Path& path, Ray& ray, const Hit& hit) {
     if (!hit.is_hit()) {
-      *path.color += path.throughput * scene_.head().background;
+      Color light = path.throughput * eval_background(scene_, ray.direction);
+      if (path.pdf > 0 && environment_ != kNone)
+        light *= balance(path.pdf,
+                         choice_probability(scene_, environment_) * environment_pdf(scene_, ray.direction));
+      *path.color += light;
       return false;
     }
     Surface surface = eval_surface(scene_, pose_, ray, hit);
@@ -92,9 +97,7 @@ class PathTracer {
     if (const uint32_t medium = path.media.current(scene_); medium != kNone)
       absorb(path, scene_.materials[medium].filter, hit.t);
 
-    Interaction at{-ray.direction, surface.shading_normal, surface.is_front,
-                   surface.is_front ? material.index : 1 / material.index};
-    if (!(glm::dot(at.to_viewer, at.normal) > 0)) at.normal = surface.geometric_normal;
+    Interaction at = interaction_at(surface, ray.direction, material);
     const bool is_dielectric = material.kind == MaterialKind::dielectric;
     if (is_dielectric) {
       const Media::Crossing crossing = path.media.meet(scene_, surface.material, surface.is_front);
@@ -170,6 +173,13 @@ class PathTracer {
         {path.color, path.throughput * scattered.value * sample.incident * (weight / probability)});
   }
 
+  static uint32_t find_environment(const Scene& scene) {
+    if (scene.head().environment == kNone) return kNone;
+    const auto found = std::find_if(scene.lights.begin(), scene.lights.end(),
+                                    [](const Light& light) { return light.kind == LightKind::environment; });
+    return found == scene.lights.end() ? kNone : static_cast<uint32_t>(found - scene.lights.begin());
+  }
+
   /// The power heuristic for one sample of each of two densities (Veach 1997, section 9.2.4).
   static double balance(double used, double other) {
     const double ratio = other / used;
@@ -196,6 +206,7 @@ class PathTracer {
   const RenderSettings& settings_;
   const Sampler& sampler_;
   RayCounts& counts_;
+  uint32_t environment_;  ///< the source that it is, or kNone
   OfPacket<Ray> rays_, shadow_rays_;
   OfPacket<Path> paths_;
   OfPacket<ShadowColor> shadow_colors_;

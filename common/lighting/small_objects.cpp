@@ -52,7 +52,8 @@ class Finder {
 
   void add(const InstancePose& place, const Vec3& center, double radius) {
     const Mat3& m = place.world_from_object.linear;
-    const double scale = std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+    const double scale =
+        std::sqrt(max_component({glm::dot(m[0], m[0]), glm::dot(m[1], m[1]), glm::dot(m[2], m[2])}));
     const auto seen = camera_.project(place.is_identity ? center : place.world_from_object.point(center));
     if (!seen) return;
     const double radius_px = (place.is_identity ? radius : scale * radius) * seen->px_per_length;

@@ -1,6 +1,7 @@
 #pragma once
 // The surface at a hit: position, normals, material, and how far a ray that leaves it must start from it.
 #include "common/hierarchy/traverser.h"
+#include "common/materials/scattering.h"
 
 namespace rayfarm {
 
@@ -26,6 +27,10 @@ struct Surface {
 
 /// The vertices of the triangle that was hit, in its object's space.
 std::array<Vec3, 3> triangle_vertices(const Scene& scene, uint32_t block_lane);
+
+/// What a material is asked about. A shading normal that faces away, at a silhouette, has no mirror
+/// direction: the surface's own normal stands in for it.
+Interaction interaction_at(const Surface& surface, const Vec3& ray_direction, const Material& material);
 
 Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit);
 

@@ -3,20 +3,13 @@
 #include <numbers>
 
 #include "common/materials/scattering.h"
-#include "common/math/portable_math.h"
+#include "common/math/spherical.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
 namespace {
 
 using std::numbers::pi;
-
-double longitude(double x, double z) {
-  const double r = std::sqrt(x * x + z * z);
-  if (!(r > 0)) return 0;
-  const double angle = portable_acos(x / r) / (2 * pi);
-  return z < 0 ? 1 - angle : angle;
-}
 
 /// The parameters of a point in a plane quadrilateral, corners in order: p = bilinear(u, v) (Ullner 1983).
 Vec2 bilinear_parameters(const std::array<Vec2, 4>& q, const Vec2& p) {

@@ -6,7 +6,8 @@
 
 #include "common/hierarchy/pose.h"
 #include "common/hierarchy/structurer.h"
-#include "common/lighting/light_sampling.h"
+#include "common/lighting/environment.h"
+#include "common/lighting/light_choice.h"
 #include "common/materials/scattering.h"
 
 namespace rayfarm {
@@ -33,6 +34,7 @@ struct SceneArrays {
   std::vector<Light> lights;
   std::vector<GoniometricDiagram> goniometric_diagrams;
   std::vector<double> goniometric_values;
+  std::vector<double> environment_shares;
   std::vector<double> light_shares;
   std::vector<Vec3> luminaire_vertices;
   std::vector<CurveRecord> curves;
@@ -67,6 +69,7 @@ struct SceneArrays {
             lights,
             goniometric_diagrams,
             goniometric_values,
+            environment_shares,
             light_shares,
             luminaire_vertices,
             curves,
@@ -241,11 +244,19 @@ class Compiler {
                                         diagram.values.end());
     }
     for (const MaterialDescription& m : description_.materials) arrays_.materials.push_back(m);
-    for (const TextureDescription& t : description_.textures) {
-      arrays_.textures.push_back(t);
-      arrays_.textures.back().first_texel = static_cast<uint32_t>(arrays_.texels.size() / 3);
-      arrays_.texels.insert(arrays_.texels.end(), t.texels.begin(), t.texels.end());
+    for (const TextureDescription& t : description_.textures) add_texture(t);
+    if (description_.environment) {
+      head.environment = add_texture(*description_.environment);
+      head.environment_turn = description_.environment_turn;
+      arrays_.lights.push_back({.kind = LightKind::environment});
     }
+  }
+
+  uint32_t add_texture(const TextureDescription& t) {
+    arrays_.textures.push_back(t);
+    arrays_.textures.back().first_texel = static_cast<uint32_t>(arrays_.texels.size() / 3);
+    arrays_.texels.insert(arrays_.texels.end(), t.texels.begin(), t.texels.end());
+    return static_cast<uint32_t>(arrays_.textures.size() - 1);
   }
 
   void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading) {
@@ -427,42 +438,16 @@ class Compiler {
       }
   }
 
-  /// The largest value of a light's diagram; 1 if it has none.
-  double brightest(const Light& light) const {
-    if (light.diagram == kNone) return 1;
-    const std::vector<double>& values = description_.diagrams[light.diagram].values;
-    return *std::max_element(values.begin(), values.end());
-  }
-
-  /// How often a source is chosen: by the irradiance that it gives at a distance of the scene's size.
   void weigh_lights() {
     Box bounds;
     for (const InstancePose& pose : arrays_.poses) bounds.grow(pose.bounds);
-    const double size2 =
-        bounds.is_empty() ? 1 : std::max(1e-300, glm::dot(bounds.extent(), bounds.extent()) / 4);
-    arrays_.header[0].far_away = 4 * (std::sqrt(size2) + (bounds.is_empty() ? 0 : bounds.magnitude()));
-    const Scene scene = arrays_.view();
-    double total = 0;
-    for (const Light& light : arrays_.lights) {
-      switch (light.kind) {
-        case LightKind::point:
-        case LightKind::distant:
-          total += luminance(light.color) * std::numbers::pi;
-          break;
-        case LightKind::bulb:
-        case LightKind::spot:
-          total += luminance(light.color) * brightest(light) / size2;
-          break;
-        case LightKind::luminaire:
-          total +=
-              luminance(arrays_.materials[light.material].emission) * luminaire_area(scene, light) / size2;
-      }
-      arrays_.light_shares.push_back(total);
-    }
-    for (double& share : arrays_.light_shares)
-      share = total > 0 ? share / total
-                        : static_cast<double>(&share - arrays_.light_shares.data() + 1) /
-                              static_cast<double>(arrays_.light_shares.size());
+    SceneHeader& head = arrays_.header[0];
+    const double radius = bounds.is_empty() ? 1 : std::max(1e-150, 0.5 * glm::length(bounds.extent()));
+    head.far_away = 4 * (radius + bounds.magnitude());
+    if (head.environment != kNone)
+      arrays_.environment_shares =
+          make_environment_shares(arrays_.textures[head.environment], arrays_.texels);
+    arrays_.light_shares = make_light_shares(arrays_.view(), radius);
   }
 
   /// Makes the primitives of `objects` one part, which moves with `owner`.

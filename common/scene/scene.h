@@ -130,11 +130,14 @@ struct ViewRecord {
 /// What there is one of.
 struct SceneHeader {
   ViewRecord view;
-  Color background{0};
+  Color background{0};  ///< times the environment's image, if there is one
   Color ambient{1};
   ChildRef object_root;      ///< of the object part's boxes, in object_part_nodes
   uint32_t is_animated = 0;  ///< 1 if any object moves: poses are then set per frame
   uint32_t first_luminaire = 0;
+  uint32_t environment = kNone;  ///< the texture that is seen behind the scene
+  uint32_t padding = 0;
+  double environment_turn = 0;  ///< about y, in whole turns
   Mat3 channels_from_rgb{1};  ///< of the colour pass; for what is only known while rays are traced: textures
   double far_away = 1;        ///< a distance that leads out of the scene from anywhere in it
 };
@@ -161,8 +164,9 @@ struct Scene {
   std::span<const Light> lights;  ///< luminaires last, by (instance, primitive)
   std::span<const GoniometricDiagram> goniometric_diagrams;
   std::span<const double> goniometric_values;
-  std::span<const double> light_shares;      ///< cumulative: with which lights are chosen
-  std::span<const Vec3> luminaire_vertices;  ///< as rays meet them, rounded to float
+  std::span<const double> environment_shares;  ///< by which texels of the environment are chosen
+  std::span<const double> light_shares;        ///< cumulative: with which lights are chosen
+  std::span<const Vec3> luminaire_vertices;    ///< as rays meet them, rounded to float
   std::span<const CurveRecord> curves;
   std::span<const double> key_frames;
   std::span<const Vec4> key_values;
@@ -210,6 +214,7 @@ void for_each_array(SceneType& s, Visitor visit) {
   visit("lights", s.lights);
   visit("goniometric_diagrams", s.goniometric_diagrams);
   visit("goniometric_values", s.goniometric_values);
+  visit("environment_shares", s.environment_shares);
   visit("light_shares", s.light_shares);
   visit("luminaire_vertices", s.luminaire_vertices);
   visit("curves", s.curves);

@@ -109,7 +109,10 @@ void check_indices(const Scene& s) {
   for (size_t i = 0; i < s.lights.size(); ++i) {
     const Light& light = s.lights[i];
     require(light.diagram == kNone || light.diagram < s.goniometric_diagrams.size(), "a light's diagram");
-    require((light.kind == LightKind::luminaire) == (i >= s.head().first_luminaire), "a light's kind");
+    require(light.kind <= LightKind::luminaire &&
+                (light.kind == LightKind::luminaire) == (i >= s.head().first_luminaire) &&
+                (light.kind != LightKind::environment || s.head().environment != kNone),
+            "a light's kind");
     if (light.kind != LightKind::luminaire) continue;
     material(light.material);
     require(light.instance < s.instances.size(), "a light's instance");
@@ -128,6 +131,13 @@ void check_indices(const Scene& s) {
     for (uint32_t level = 0; level < t.levels; ++level)
       texels += size_t{std::max(1u, t.width_px >> level)} * std::max(1u, t.height_px >> level);
     require(range_fits(t.first_texel, texels, s.texels.size() / 3), "an image's texels");
+  }
+  if (const uint32_t environment = s.head().environment; environment != kNone) {
+    require(environment < s.textures.size() && s.textures[environment].kind == TextureKind::image,
+            "the environment");
+    const Texture& image = s.textures[environment];
+    require(s.environment_shares.size() == size_t{image.height_px} * (size_t{image.width_px} + 1),
+            "the environment's shares");
   }
   require(s.triangle_uvs.empty() || s.triangle_uvs.size() == 3 * s.triangle_shading.size(),
           "the triangles' coordinates");

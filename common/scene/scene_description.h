@@ -128,10 +128,12 @@ struct ObjectDescription {
 struct SceneDescription {
   std::vector<std::string> files;  ///< every file read; [0] is the scene
   ViewDescription view;
-  Color background{0};
-  Color ambient{1};                          ///< Ia
-  std::vector<Light> lights;                 ///< luminaires are found by their materials
-  std::vector<DiagramDescription> diagrams;  ///< that lights name
+  Color background{0};                            ///< times the environment, if there is one
+  std::optional<TextureDescription> environment;  ///< an image of all directions, seen behind the scene
+  double environment_turn = 0;                    ///< about y, in whole turns
+  Color ambient{1};                               ///< Ia
+  std::vector<Light> lights;                      ///< luminaires are found by their materials
+  std::vector<DiagramDescription> diagrams;       ///< that lights name
   std::vector<MaterialDescription> materials;
   std::vector<TextureDescription> textures;
   std::vector<ObjectDescription> objects;

@@ -104,6 +104,10 @@ class Loader {
     YamlMap map(YamlValue(document, "the scene", path_, budget_));
     if (auto v = map.find("view")) read_view(*v);
     if (auto v = map.find("background")) scene_.background = v->color();
+    if (auto v = map.find("environment")) {
+      if (map.has("background")) v->fail("give either `background` or `environment`, not both");
+      read_environment(*v, folder(), scene_);
+    }
     if (auto v = map.find("ambient")) scene_.ambient = v->color();
     if (auto v = map.find("frames")) read_frames(*v);
     if (auto v = map.find("lights")) read_lights(*v);

@@ -5,6 +5,23 @@
 #include "common/textures/image_texture.h"
 
 namespace rayfarm {
+namespace {
+
+/// The image that `file` names.
+void read_image_of(YamlMap& map, const std::string& folder, TextureDescription& texture,
+                   std::vector<std::string>& files) {
+  texture.is_mapped = 1;
+  const YamlValue file = map.require("file");
+  const std::string path = (std::filesystem::path(folder) / file.text()).string();
+  try {
+    texture.texels = load_texels(path, texture);
+  } catch (const IoError& e) {
+    file.fail(e.what());
+  }
+  files.push_back(path);
+}
+
+}  // namespace
 
 TextureDescription read_texture(const std::string& name, const YamlValue& value, const std::string& folder,
                                 std::vector<std::string>& files) {
@@ -15,22 +32,13 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
   static const std::vector<std::string> kKinds{"checker", "noise",  "marble",  "wood",
                                                "boards",  "bricks", "fourier", "image"};
   texture.kind = static_cast<TextureKind>(map.require("kind").choice(kKinds));
-  const bool is_image = texture.kind == TextureKind::image;
   if (auto v = map.find("scale")) {
     texture.scale = v->is_sequence() ? v->vector() : Vec3(v->number());
     if (!(texture.scale.x > 0 && texture.scale.y > 0 && texture.scale.z > 0))
       v->fail("a texture's scale must be above 0");
   }
-  if (is_image) {
-    texture.is_mapped = 1;
-    const YamlValue file = map.require("file");
-    const std::string path = (std::filesystem::path(folder) / file.text()).string();
-    try {
-      texture.texels = load_texels(path, texture);
-    } catch (const IoError& e) {
-      file.fail(e.what());
-    }
-    files.push_back(path);
+  if (texture.kind == TextureKind::image) {
+    read_image_of(map, folder, texture, files);
     map.finish();
     return texture;
   }
@@ -54,6 +62,17 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
   }
   map.finish();
   return texture;
+}
+
+void read_environment(const YamlValue& value, const std::string& folder, SceneDescription& scene) {
+  YamlMap map(value);
+  TextureDescription& image = scene.environment.emplace();
+  image.kind = TextureKind::image;
+  read_image_of(map, folder, image, scene.files);
+  scene.background = Color(1);
+  if (auto v = map.find("intensity")) scene.background = Color(v->number_in(0, 1e9));
+  if (auto v = map.find("turn")) scene.environment_turn = v->number() / 360;
+  map.finish();
 }
 
 }  // namespace rayfarm

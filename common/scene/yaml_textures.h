@@ -8,4 +8,7 @@ namespace rayfarm {
 TextureDescription read_texture(const std::string& name, const YamlValue& value, const std::string& folder,
                                 std::vector<std::string>& files);
 
+/// The image that is seen behind the scene.
+void read_environment(const YamlValue& value, const std::string& folder, SceneDescription& scene);
+
 }  // namespace rayfarm

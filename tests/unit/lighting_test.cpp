@@ -276,6 +276,98 @@ scene:
     }
 }
 
+/// Counts of the whole picture, and its first channel's values.
+struct Picture {
+  RayCounts counts;
+  std::vector<float> floats;
+};
+Picture render_picture(const CompiledScene& compiled, RenderSettings settings, const PixelRect& rect,
+                       int frame) {
+  settings.pixel_format = PixelFormat::float32;
+  const RenderedPixels rendered = Renderer(compiled.scene, settings).render(frame, rect, [] {});
+  Picture picture{rendered.counts, std::vector<float>(rendered.pixels.size() / 4)};
+  std::memcpy(picture.floats.data(), rendered.pixels.data(), rendered.pixels.size());
+  return picture;
+}
+
+TEST(AdaptiveSampling, TakesMoreSamplesAtEdgesOnlyForAnyCut) {
+  // A white disk before black: the first samples tell inside and outside, all samples what lies between.
+  const CompiledScene compiled = compile(test::load_yaml(test::view_text() + R"(
+ambient: 1
+background: 0
+materials: {white: {ambient: 1, diffuse: 0}}
+scene: [{material: white, sphere: {center: [0, 0, 0], radius: 1.2}}]
+)"));
+  RenderSettings settings;
+  settings.width_px = settings.height_px = 32;
+  settings.crop = {0, 0, 32, 32};
+  settings.samples = 16;
+  settings.filter = FilterKind::mitchell;
+  const Picture all = render_picture(compiled, settings, settings.crop, 0);
+  settings.adaptive_contrast = 0.1;
+  const Picture whole = render_picture(compiled, settings, settings.crop, 0);
+  EXPECT_LT(whole.counts.primary, 32u * 32u * 16u / 3);
+  EXPECT_GT(whole.counts.primary, 32u * 32u);
+  // Where a pixel got all its samples it is what it would have been anyway; elsewhere the disk or nothing.
+  size_t greys = 0;
+  for (size_t i = 0; i < whole.floats.size(); i += 3) {
+    if (whole.floats[i] != 0 && whole.floats[i] != 1) {
+      ++greys;
+      EXPECT_EQ(whole.floats[i], all.floats[i]);
+    }
+  }
+  EXPECT_GT(greys, 40u);
+  RayCounts sum;
+  for (const PixelRect& rect : {PixelRect{0, 0, 9, 32}, PixelRect{9, 0, 32, 13}, PixelRect{9, 13, 32, 32}}) {
+    const Picture part = render_picture(compiled, settings, rect, 0);
+    sum += part.counts;
+    for (int y = rect.y0; y < rect.y1; ++y)
+      EXPECT_TRUE(std::equal(part.floats.begin() + (y - rect.y0) * rect.width() * 3,
+                             part.floats.begin() + (y - rect.y0 + 1) * rect.width() * 3,
+                             whole.floats.begin() + (y * 32 + rect.x0) * 3));
+  }
+  EXPECT_EQ(sum, whole.counts);
+}
+
+TEST(AdaptiveSampling, RaysToTheCentresOfSmallObjectsFindThem) {
+  // Specks a third of a pixel wide that move over a plain: a single sample misses most of them in most
+  // frames.
+  for (const char* speck :
+       {"sphere: {center: [0, 0, 0], radius: 0.02}",
+        "polygon: {points: [[-0.015, -0.015, 0], [0.015, -0.015, 0], [0.015, 0.015, 0], [-0.015, 0.015, 0]]}",
+        "cylinder: {base: [-0.02, 0, 0], top: [0.02, 0, 0], radius: 0.03}"}) {
+    const CompiledScene compiled = compile(test::load_yaml(test::view_text() + R"(
+frames: [0, 20]
+ambient: 1
+background: 0
+materials: {white: {ambient: 1, diffuse: 0}}
+scene:
+  - {material: white, transform: {translate: {0: [-1.3, 0.11, 0], 20: [1.4, 0.9, 0]}}, )" +
+                                                           std::string(speck) + "}\n"));
+    RenderSettings settings;
+    settings.width_px = settings.height_px = 32;
+    settings.crop = {0, 0, 32, 32};
+    int found = 0, found_by_one = 0;
+    for (int frame = 0; frame <= 20; ++frame) {
+      const auto has_light = [](const Picture& p) {
+        return *std::max_element(p.floats.begin(), p.floats.end()) > 0;
+      };
+      settings.samples = 1;
+      settings.adaptive_contrast = 0;
+      found_by_one += has_light(render_picture(compiled, settings, settings.crop, frame)) ? 1 : 0;
+      settings.samples = 64;
+      settings.adaptive_contrast = 0.1;
+      const Picture picture = render_picture(compiled, settings, settings.crop, frame);
+      found += has_light(picture) ? 1 : 0;
+      // Its pixels alone are sampled again, four of them at most and their neighbours.
+      EXPECT_GT(picture.counts.primary, 32u * 32u + 63u);
+      EXPECT_LT(picture.counts.primary, 32u * 32u + 16u * 64u);
+    }
+    EXPECT_EQ(found, 21) << speck;
+    EXPECT_LT(found_by_one, 15) << speck;
+  }
+}
+
 TEST(Render, ALensIsSharpWhereItIsFocused) {
   // Black and white halves: through a pinhole, and in focus, no pixel but the edge's is grey.
   const auto grey_pixels = [](const std::string& lens) {
