@@ -129,9 +129,10 @@ LightSample sample_environment(const Scene& scene, const Vec2& u) {
   const double polar = pi * (static_cast<double>(y) + rest.x) / image.height_px;
   const double turned = (static_cast<double>(x) + rest.y) / image.width_px - scene.head().environment_turn;
   const double azimuth = 2 * pi * (turned - std::floor(turned));
-  const double sine = portable_sin(polar);
+  const auto [sine, cosine] = portable_sine_cosine(polar);
+  const SineCosine around = portable_sine_cosine(azimuth);
   LightSample result;
-  result.to_light = {sine * portable_cos(azimuth), portable_cos(polar), sine * portable_sin(azimuth)};
+  result.to_light = {sine * around.cosine, cosine, sine * around.sine};
   result.pdf = texel_pdf(scene, x, y, sine);
   if (!(result.pdf > 0)) return {};
   result.incident = eval_background(scene, result.to_light) / result.pdf;

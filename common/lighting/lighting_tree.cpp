@@ -97,6 +97,7 @@ class LightingTree {
     Vec3 to_light;
     double cosine_times_distance;
     Color light;  ///< what a white surface that faces the light shows
+    bool has_highlight;
   };
 
   /// How much of its light a diffuse ray of this length brings (thesis 3.2).
@@ -132,8 +133,10 @@ class LightingTree {
       OfPacket<Ray> rays;
       OfPacket<Facing> facing;
       for (Shaded& s : shaded) {
+        const bool has_highlight = !is_mirrored_in(*s.material, light);
+        if (!has_highlight && !(s.material->diffuse > 0)) continue;
         Vec3 target = light.position;
-        Facing f{&s, target - s.surface.p, 0, light.color};
+        Facing f{&s, target - s.surface.p, 0, light.color, has_highlight};
         if (light.kind != LightKind::point) {
           const LightSample sample = sample_light(scene_, pose_, light, s.surface.p, light_point(s, i));
           target = sample.target;
@@ -155,6 +158,11 @@ class LightingTree {
     for (Shaded& s : shaded) *s.color = s.surface_color * s.diffuse + s.specular;
   }
 
+  /// A reflected ray shows a luminous body itself; a highlight would count it again.
+  bool is_mirrored_in(const Material& material, const Light& light) const {
+    return has_secondary_ && material.reflect > 0 && has_extent(light);
+  }
+
   Vec2 light_point(const Shaded& s, uint32_t light) const {
     if (!has_extent(scene_.lights[light])) return Vec2(0);
     const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{s.branch.stream} << 32 | light));
@@ -165,7 +173,7 @@ class LightingTree {
     Shaded& s = *facing.shaded;
     const double distance = glm::length(facing.to_light);
     s.diffuse += (s.material->diffuse * (facing.cosine_times_distance / distance)) * facing.light;
-    if (!(s.material->specular > 0)) return;
+    if (!facing.has_highlight || !(s.material->specular > 0)) return;
     const Vec3& n = s.surface.shading_normal;
     if (settings_.lighting == LightingModel::torrance_sparrow) {
       s.specular += facet_highlight(*s.material, n, facing.to_light / distance, -s.direction) * facing.light;

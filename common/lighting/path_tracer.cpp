@@ -115,14 +115,15 @@ class PathTracer {
     Lobes lobes;
     scatter(material, at, lobes);
     add_direct_light(path, surface, at, lobes);
-    const Vec2 lobe = sampler_.point(path.id, dimension::of_bounce(path.depth, dimension::kLobe));
-    const Vec2 direction = sampler_.point(path.id, dimension::of_bounce(path.depth, dimension::kDirection));
-    const ScatteredRay next = sample(lobes, at, direction, lobe.x);
+    // Points are made only where they are asked for.
+    const bool is_risky = path.depth >= kFirstRoulette;
+    const Vec2 lobe = lobes.size() > 1 || is_risky ? point(path, dimension::kLobe) : Vec2(0);
+    const ScatteredRay next = sample(lobes, at, point(path, dimension::kDirection), lobe.x);
     path.throughput *= next.weight;
     path.pdf = next.pdf;
     if (next.spread == Lobe::Spread::diffuse) path.spread = kDiffuseSpread;
     if ((glm::dot(surface.geometric_normal, next.direction) > 0) == next.is_transmitted) return false;
-    if (!survives(path, lobe.y)) return false;
+    if (!survives(path, is_risky ? lobe.y : 0)) return false;
     if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
     ++path.depth;
     ++(next.is_transmitted                    ? counts_.transmitted
@@ -130,6 +131,10 @@ class PathTracer {
                                               : counts_.reflected);
     ray = {surface.ray_origin(next.direction), next.direction};
     return true;
+  }
+
+  Vec2 point(const Path& path, dimension::Bounce use) const {
+    return sampler_.point(path.id, dimension::of_bounce(path.depth, use));
   }
 
   static void absorb(Path& path, const Color& filter, double distance) {
@@ -151,12 +156,10 @@ class PathTracer {
   /// A shadow ray to one of the sources.
   void add_direct_light(const Path& path, const Surface& surface, const Interaction& at, const Lobes& lobes) {
     if (scene_.lights.empty()) return;
-    const Vec2 choice = sampler_.point(path.id, dimension::of_bounce(path.depth, dimension::kLight));
-    const uint32_t source = choose_light(scene_, choice.x);
+    const uint32_t source =
+        scene_.lights.size() > 1 ? choose_light(scene_, point(path, dimension::kLight).x) : 0;
     const Light& light = scene_.lights[source];
-    const Vec2 u = has_extent(light)
-                       ? sampler_.point(path.id, dimension::of_bounce(path.depth, dimension::kLightPoint))
-                       : Vec2(0);
+    const Vec2 u = has_extent(light) ? point(path, dimension::kLightPoint) : Vec2(0);
     const LightSample sample = sample_light(scene_, pose_, light, surface.p, u);
     if (sample.incident == Color(0)) return;
     // Where smooth normals disagree with the surface, light must not come from the wrong side of it.
@@ -190,7 +193,7 @@ class PathTracer {
     const double strength = max_component(path.throughput);
     if (!(strength > 0)) return false;
     if (path.depth < kFirstRoulette) return true;
-    const double chance = std::min(1.0, strength);
+    const double chance = std::min(1.0, std::sqrt(strength));
     if (u >= chance) return false;
     path.throughput /= chance;
     return true;

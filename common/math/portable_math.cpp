@@ -1,6 +1,7 @@
 #include "common/math/portable_math.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -16,19 +17,35 @@ constexpr double kHalfPiLow = 6.07710050650619224932e-11;
 constexpr double kLn2High = 6.93147180369123816490e-01;
 constexpr double kLn2Low = 1.90821492927058770002e-10;
 
+/// 1 / n! for n up to 18.
+constexpr std::array<double, 19> kInverseFactorials = [] {
+  std::array<double, 19> table{};
+  double factorial = 1;
+  for (int n = 0; n < 19; ++n) {
+    if (n > 0) factorial *= n;
+    table[static_cast<size_t>(n)] = 1 / factorial;
+  }
+  return table;
+}();
+
+/// 1 / n for n up to 21.
+constexpr std::array<double, 22> kInverses = [] {
+  std::array<double, 22> table{};
+  for (size_t n = 1; n < table.size(); ++n) table[n] = 1.0 / static_cast<double>(n);
+  return table;
+}();
+
 double taylor_sin(double x) {  // |x| <= pi/4; the first omitted term is below 2e-18
   const double s = x * x;
-  double sum = 1.0 / 355687428096000.0;  // 1/17!
-  for (double factorial : {1307674368000.0, 6227020800.0, 39916800.0, 362880.0, 5040.0, 120.0, 6.0})
-    sum = 1.0 / factorial - s * sum;
+  double sum = kInverseFactorials[17];
+  for (size_t n = 15; n >= 3; n -= 2) sum = kInverseFactorials[n] - s * sum;
   return x - x * s * sum;
 }
 
 double taylor_cos(double x) {
   const double s = x * x;
-  double sum = 1.0 / 6402373705728000.0;  // 1/18!
-  for (double factorial : {20922789888000.0, 87178291200.0, 479001600.0, 3628800.0, 40320.0, 720.0, 24.0})
-    sum = 1.0 / factorial - s * sum;
+  double sum = kInverseFactorials[18];
+  for (size_t n = 16; n >= 4; n -= 2) sum = kInverseFactorials[n] - s * sum;
   return 1.0 - s * (0.5 - s * sum);
 }
 
@@ -66,7 +83,7 @@ double portable_atan(double x) {  // x >= 0
   }
   const double s = x * x;
   double sum = 0;
-  for (int n = 19; n >= 1; n -= 2) sum = 1.0 / n - s * sum;
+  for (size_t n = 10; n-- > 0;) sum = kInverses[2 * n + 1] - s * sum;
   return factor * x * sum;
 }
 
@@ -92,7 +109,7 @@ Logarithm split_log(double x) {
   const double f = (m - 1) / (m + 1);
   const double s = f * f;
   double sum = 0;
-  for (int n = 21; n >= 3; n -= 2) sum = 1.0 / n + s * sum;
+  for (size_t n = 21; n >= 3; n -= 2) sum = kInverses[n] + s * sum;
   const double high = exponent * kLn2High;
   const double leading = 2 * f;
   const double total = high + leading;
@@ -107,8 +124,8 @@ double exp_of_sum(double high, double low) {
   if (x < -745.2) return 0;
   const double k = std::nearbyint(x / std::numbers::ln2);
   const double r = ((high - k * kLn2High) - k * kLn2Low) + low;  // |r| <= 0.35
-  double sum = 1;
-  for (int n = 16; n >= 1; --n) sum = 1 + r * sum / n;
+  double sum = kInverseFactorials[16];
+  for (size_t n = 16; n-- > 0;) sum = kInverseFactorials[n] + r * sum;
   // Two factors, so that subnormal results round once.
   const int first = static_cast<int>(k) / 2, second = static_cast<int>(k) - first;
   const auto power_of_two = [](int e) {
@@ -127,6 +144,21 @@ double portable_sin(double radians) {
 double portable_cos(double radians) {
   const ReducedAngle r = reduce(radians);
   return quadrant_sin(r.angle, r.quadrant + 1);
+}
+
+SineCosine portable_sine_cosine(double radians) {
+  const ReducedAngle r = reduce(radians);
+  const double s = taylor_sin(r.angle), c = taylor_cos(r.angle);
+  switch (r.quadrant) {
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
+  }
 }
 
 double portable_tan(double radians) {

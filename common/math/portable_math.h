@@ -7,8 +7,13 @@
 
 namespace rayfarm {
 
-double portable_sin(double radians);                ///< |radians| <= 1e6
-double portable_cos(double radians);                ///< |radians| <= 1e6
+double portable_sin(double radians);  ///< |radians| <= 1e6
+double portable_cos(double radians);  ///< |radians| <= 1e6
+/// Both at once, at the price of one and a half.
+struct SineCosine {
+  double sine, cosine;
+};
+SineCosine portable_sine_cosine(double radians);    ///< |radians| <= 1e6
 double portable_tan(double radians);                ///< |radians| < pi/2
 double portable_acos(double x);                     ///< x is clamped to [-1, 1]; radians in [0, pi]
 double portable_exp(double x);                      ///< 0 below -745, infinity above 709

@@ -14,30 +14,34 @@ uint32_t reversed_bits(uint32_t x) {
 }
 
 /// Owen's scrambling by hashing (Laine and Karras 2011, section 3; Burley 2020, "Practical hash-based Owen
-/// scrambling"): every bit is flipped by a function of the bits above it.
-uint32_t owen_scrambled(uint32_t x, uint32_t seed) {
-  x = reversed_bits(x);
+/// scrambling"): every bit is flipped by a function of the bits below it, so numbers come and go with their
+/// bits reversed.
+uint32_t owen_scrambled_reversed(uint32_t x, uint32_t seed) {
   x += seed;
   x ^= x * 0x6c50b47cu;
   x ^= x * 0xb82f1e52u;
   x ^= x * 0xc7afe638u;
   x ^= x * 0x8d22f6e6u;
-  return reversed_bits(x);
+  return x;
 }
 
-/// The second dimension of Sobol's sequence; the first is the reversed index.
-uint32_t sobol_second(uint32_t index) {
-  uint32_t x = 0;
-  for (uint32_t v = 1u << 31; index; index >>= 1, v ^= v >> 1)
-    if (index & 1) x ^= v;
-  return x;
+/// The second dimension of Sobol's sequence with its bits reversed; the first, so reversed, is the index. Its
+/// matrix is Pascal's triangle modulo 2, which is [1 1; 0 1] within itself five times over.
+uint32_t sobol_second_reversed(uint32_t index) {
+  index ^= index >> 16;
+  index ^= (index & 0xff00ff00u) >> 8;
+  index ^= (index & 0xf0f0f0f0u) >> 4;
+  index ^= (index & 0xccccccccu) >> 2;
+  return index ^ (index & 0xaaaaaaaau) >> 1;
 }
 
 Vec2 sobol_point(uint32_t sample, uint64_t key) {
   const uint64_t keys = mix_bits(key), more = mix_bits(keys);
-  const uint32_t index = owen_scrambled(sample, static_cast<uint32_t>(more));
-  return {0x1p-32 * owen_scrambled(reversed_bits(index), static_cast<uint32_t>(keys)),
-          0x1p-32 * owen_scrambled(sobol_second(index), static_cast<uint32_t>(keys >> 32))};
+  const uint32_t index =
+      reversed_bits(owen_scrambled_reversed(reversed_bits(sample), static_cast<uint32_t>(more)));
+  const uint32_t x = owen_scrambled_reversed(index, static_cast<uint32_t>(keys)),
+                 y = owen_scrambled_reversed(sobol_second_reversed(index), static_cast<uint32_t>(keys >> 32));
+  return {0x1p-32 * reversed_bits(x), 0x1p-32 * reversed_bits(y)};
 }
 
 double torus_distance2(const Vec2& a, const Vec2& b) {
@@ -80,6 +84,7 @@ Sampler::Sampler(const RenderSettings& settings, int frame)
     : pattern_(settings.sampling),
       samples_(settings.samples),
       seed_(settings.seed),
+      seed_bits_(mix_bits(settings.seed)),
       frame_(frame),
       strata_(make_strata(settings.samples)) {
   if (pattern_ == SamplingPattern::poisson) poisson_ = make_poisson(samples_, seed_);
@@ -90,7 +95,7 @@ Vec2 Sampler::point(const SampleId& id, uint32_t dimension) const {
   // A key for the pixel and the dimension, common to its samples.
   const auto key = [&] {
     const auto pixel = uint64_t{static_cast<uint32_t>(id.x)} << 32 | static_cast<uint32_t>(id.y);
-    return mix_bits(mix_bits(pixel ^ mix_bits(seed_)) ^
+    return mix_bits(mix_bits(pixel ^ seed_bits_) ^
                     (uint64_t{static_cast<uint32_t>(frame_)} << 32 | dimension));
   };
   const auto jitter = [&] {

@@ -33,7 +33,7 @@ class Sampler {
  private:
   SamplingPattern pattern_;
   uint32_t samples_;
-  uint64_t seed_;
+  uint64_t seed_, seed_bits_;
   int frame_;
   Strata strata_;
   std::vector<Vec2> poisson_;

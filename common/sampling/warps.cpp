@@ -19,7 +19,8 @@ Vec2 sample_disk(const Vec2& u) {
     r = p.y;
     phi = pi / 2 - pi / 4 * (p.x / p.y);
   }
-  return r * Vec2(portable_cos(phi), portable_sin(phi));
+  const auto [sine, cosine] = portable_sine_cosine(phi);
+  return r * Vec2(cosine, sine);
 }
 
 Vec3 sample_cosine(const Vec2& u) {
@@ -31,9 +32,13 @@ double cosine_pdf(double cosine) {
 }
 
 namespace {
+/// The direction of a polar angle and a part of the whole turn.
+Vec3 spherical(double sine, double cosine, double turn) {
+  const SineCosine azimuth = portable_sine_cosine(2 * pi * turn);
+  return {sine * azimuth.cosine, sine * azimuth.sine, cosine};
+}
 Vec3 spherical(double cosine, double turn) {
-  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), phi = 2 * pi * turn;
-  return {sine * portable_cos(phi), sine * portable_sin(phi), cosine};
+  return spherical(std::sqrt(std::max(0.0, 1 - cosine * cosine)), cosine, turn);
 }
 }  // namespace
 
@@ -49,10 +54,8 @@ Vec3 sample_sphere(const Vec2& u) {
 }
 
 Vec3 sample_cone(const Vec2& u, double one_minus_cosine) {
-  const double height = one_minus_cosine * u.x,
-               cosine = 1 - height;  // 1 - cos keeps its digits in narrow cones
-  const double sine = std::sqrt(height * (2 - height)), phi = 2 * pi * u.y;
-  return {sine * portable_cos(phi), sine * portable_sin(phi), cosine};
+  const double height = one_minus_cosine * u.x;  // 1 - cos keeps its digits in narrow cones
+  return spherical(std::sqrt(height * (2 - height)), 1 - height, u.y);
 }
 double cone_pdf(double one_minus_cosine) {
   return 1 / (2 * pi * one_minus_cosine);
