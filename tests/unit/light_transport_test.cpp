@@ -1,4 +1,6 @@
 // The lighting models against answers that can be worked out by hand, and against each other.
+#include <cstring>
+
 #include "common/lighting/renderer.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "tests/unit/test_scene.h"
@@ -269,6 +271,41 @@ scene:
   probe.settings.lighting = LightingModel::thesis;
   probe.settings.max_depth = 12;
   expect_color(probe.mean(origin, direction, 1 << 13), path, 0.004);
+}
+
+TEST(Thesis, ConvergesToPathsInGoralsRoom) {
+  // With all its rays, untrimmed and deep, the model is the rendering equation for diffuse surfaces. What the
+  // plates leave out is what trimming takes away: light that was scattered more than once on its way.
+  const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/goral_room.yaml"));
+  RenderSettings settings;
+  settings.width_px = settings.height_px = 32;
+  settings.crop = {0, 0, 32, 32};
+  settings.samples = 256;
+  settings.max_depth = 16;
+  settings.pixel_format = PixelFormat::float32;
+  const auto blocks = [&] {  // means of 8 × 8 pixels
+    const RenderedPixels rendered = Renderer(compiled.scene, settings).render(0, settings.crop, [] {});
+    std::array<Color, 16> means{};
+    for (size_t i = 0; i < 32 * 32; ++i) {
+      std::array<float, 3> pixel;
+      std::memcpy(pixel.data(), rendered.pixels.data() + 12 * i, 12);
+      means[i / 256 * 4 + i % 32 / 8] += Color(pixel[0], pixel[1], pixel[2]) / 64.0;
+    }
+    return means;
+  };
+  settings.lighting = LightingModel::path;
+  const auto path = blocks();
+  settings.lighting = LightingModel::thesis;
+  settings.min_weight = 0;
+  const auto gathered = blocks();
+  settings.min_weight = 0.41;  // as the plates are trimmed
+  const auto trimmed = blocks();
+  double lost = 0;
+  for (size_t i = 0; i < 16; ++i) {
+    expect_color(gathered[i], path[i], 0.005);
+    lost += (path[i].x - trimmed[i].x) / 16;
+  }
+  EXPECT_GT(lost, 0.05);
 }
 
 TEST(Thesis, CountsEachSourceOnce) {
