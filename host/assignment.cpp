@@ -18,9 +18,12 @@ int Assignment::nodes_alive() const {
       std::count_if(nodes_.begin(), nodes_.end(), [](const NodeState& n) { return !n.is_lost; }));
 }
 
+int Assignment::owner_of(int frame, int subpolygon) const {
+  return interleaved_owner(options_.grid, options_.nodes, options_.rotates ? frame : 0, subpolygon) + 1;
+}
+
 bool Assignment::is_own(int node, Key key) const {
-  return options_.policy == AssignmentPolicy::interleaved &&
-         interleaved_owner(options_.grid, options_.nodes, key.frame, key.subpolygon) == node - 1;
+  return options_.policy == AssignmentPolicy::interleaved && owner_of(key.frame, key.subpolygon) == node;
 }
 
 void Assignment::open_frames(double now) {
@@ -34,7 +37,7 @@ void Assignment::open_frames(double now) {
       Subpolygon& subpolygon = frame.subpolygons[static_cast<size_t>(s)];
       subpolygon.since = now;
       if (options_.policy == AssignmentPolicy::interleaved) {
-        const int owner = interleaved_owner(options_.grid, options_.nodes, opened_, s) + 1;
+        const int owner = owner_of(opened_, s);
         if (!node_state(owner).is_lost) {
           subpolygon.state = State::held;
           subpolygon.holders = {owner};

@@ -19,6 +19,7 @@ namespace rayfarm {
 struct AssignmentOptions {
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   SubpolygonGrid grid;
+  bool rotates = true;  ///< interleaved: sets move on from frame to frame
   int nodes = 1;
   int frames = 1;
   int window_frames = 3;  ///< frames begun but not yet released: bounds the host's memory
@@ -109,6 +110,8 @@ class Assignment {
   std::optional<Key> oldest_held_by_another(int node, double now);
   void finish_subpolygon(Key key);
   void mark_lost(int node, double now);
+  /// Interleaved: the node whose set holds the subpolygon.
+  int owner_of(int frame, int subpolygon) const;
   bool is_own(int node, Key key) const;
   Subpolygon& at(Key key) {
     return frames_[static_cast<size_t>(key.frame)].subpolygons[static_cast<size_t>(key.subpolygon)];

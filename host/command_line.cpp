@@ -9,6 +9,7 @@
 
 #include "common/sampling/sampler.h"
 #include "host/exit_code.h"
+#include "host/net/net_commands.h"
 #include "host/output_pattern.h"
 
 namespace rayfarm {
@@ -176,6 +177,26 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
       ->add_option("--node-timeout", o.node_timeout_s,
                    "seconds of silence after which a node is lost (default: 8)")
       ->check(CLI::Range(2.0, 3600.0));
+  render->add_flag(
+      "!--no-rotation", o.rotates,
+      "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
+  render
+      ->add_option("--subpolygons", o.subpolygons_per_processor,
+                   "per node, none narrower than 8 pixels (default: the thesis's 64)")
+      ->check(CLI::Range(1, 1 << 20));
+  render
+      ->add_option("--processor-time", o.ray_time_s,
+                   "emulate slow processors: seconds that a node takes for each ray, mostly asleep "
+                   "(default: 0, as fast as it can)")
+      ->check(CLI::Range(0.0, 1e3));
+  render
+      ->add_option("--processor-times", o.time_factors,
+                   "1,1,2: factors on --processor-time by node, in turn; 2 takes twice as long")
+      ->delimiter(',')
+      ->check(CLI::Range(1e-3, 1e3));
+  render->add_option(
+      "--cost-map", o.cost_map,
+      "write to this JSON file what each subpolygon took and weighs (rayfarm simulate reads it)");
   render->add_flag("--skip-existing", o.skip_existing, "do not render frames whose file is already there");
   render->add_option("--stats", o.stats, "write statistics to this JSON file");
   add_choice<ProgressStyle>(render, "--progress", o.progress,
@@ -217,6 +238,8 @@ void check_render(const RenderOptions& o) {
     throw CLI::ValidationError("--sampling corners takes one ray per corner; leave --samples at 1");
   if (o.settings.adaptive_contrast > 0 && o.settings.samples < 2)
     throw CLI::ValidationError("--adaptive chooses where more than one sample is taken; set --samples");
+  if (!o.time_factors.empty() && !(o.ray_time_s > 0))
+    throw CLI::ValidationError("--processor-times are factors on --processor-time; give that, too");
   if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)
     throw CLI::ValidationError(
         "--wire pixel carries three bytes of colour; use --pixel-format rgb8 or --wire block");
@@ -263,6 +286,8 @@ CommandLine parse_command_line(int argc, char** argv) {
     line.kind = CommandKind::experiment;
     if (line.experiment.output.empty()) line.experiment.output = "out/" + line.experiment.name;
   });
+  add_model_command(app, line);
+  add_simulate_command(app, line);
   try {
     app.parse(argc, argv);
     line.render.pixel_format = pixel_format;

@@ -5,6 +5,7 @@
 
 #include "common/hierarchy/builder.h"
 #include "common/image/image_file.h"
+#include "host/net/net_options.h"
 #include "host/progress.h"
 #include "protocol/job_plan.h"
 
@@ -22,12 +23,16 @@ struct RenderOptions {
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;
+  bool rotates = true;  ///< interleaved: sets move on from frame to frame
+  int subpolygons_per_processor = kSubpolygonsPerProcessor;
+  double ray_time_s = 0;             ///< of emulated processors; 0: none
+  std::vector<double> time_factors;  ///< of emulated processors
   SplitRule split_rule = SplitRule::sah;
   uint32_t max_primitives = 8;  ///< in a leaf of the hierarchy
   int local_nodes = 0;          ///< 0: one per core
   double node_timeout_s = 8;
   bool skip_existing = false;
-  std::string stats;
+  std::string stats, cost_map;
   ProgressStyle progress = ProgressStyle::automatic;
   bool is_quiet = false, is_verbose = false;
 };
@@ -45,7 +50,7 @@ struct ExperimentOptions {
   int width_px = 0;               ///< of the pictures; 0: as the scenes have it
 };
 
-enum class CommandKind { render, check, info, compare, experiment, none };
+enum class CommandKind { render, check, info, compare, experiment, model, simulate, none };
 
 struct CommandLine {
   CommandKind kind = CommandKind::none;
@@ -53,6 +58,8 @@ struct CommandLine {
   std::string scene;  ///< of check and info
   CompareOptions compare;
   ExperimentOptions experiment;
+  ModelOptions model;
+  SimulateOptions simulate;
   int exit_code = 0;    ///< for kind none: help and version give 0, errors 2
   std::string message;  ///< for kind none: what to print
 };

@@ -17,6 +17,7 @@ AssignmentOptions assignment_options(const FarmHostOptions& o) {
   AssignmentOptions a;
   a.policy = o.plan.policy;
   a.grid = o.plan.grid;
+  a.rotates = o.plan.rotates;
   a.nodes = o.plan.processors;
   a.frames = static_cast<int>(o.plan.frames.size());
   a.lost_after_s = o.node_timeout_s;
@@ -42,6 +43,7 @@ FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResu
     frame.frame = options.plan.frames[i];
     frame.file = options.files[i];
     frame.traced_by.assign(static_cast<size_t>(options.plan.grid.count()), 0);
+    frame.costs.resize(frame.traced_by.size());
     result_.frames.push_back(frame);
   }
 }
@@ -134,12 +136,12 @@ void FarmHost::receive_block(int node, std::span<const std::byte> bytes, double 
   if (block.report.subpolygon >= static_cast<uint32_t>(options_.plan.grid.count()))
     throw ProtocolError("a subpolygon that does not exist");
   if (!block.is_compressed) {
-    keep_result(node, block.report, block.pixels, now);
+    keep_result(node, block.report, block.pixels, block.pixels.size(), now);
     return;
   }
   const DisplayPolygon p = options_.plan.grid.polygon(static_cast<int>(block.report.subpolygon));
   keep_result(node, block.report, decompress_rgb8(block.pixels, p.right - p.left + 1, p.bottom - p.top + 1),
-              now);
+              block.pixels.size(), now);
 }
 
 void FarmHost::receive_pixels(int node, std::span<const std::byte> bytes) {
@@ -168,11 +170,11 @@ void FarmHost::end_of_pixels(int node, const SubpolygonReport& report, double no
     seen[i] = true;
     for (size_t c = 0; c < 3; ++c) block[3 * i + c] = static_cast<std::byte>(pixel.rgb[c]);
   }
-  keep_result(node, report, block, now);
+  keep_result(node, report, block, kPixelBytes * pixels.size(), now);
 }
 
 void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<const std::byte> pixels,
-                           double now) {
+                           size_t bytes, double now) {
   const int index = frame_index(report.frame);
   if (index < 0) throw ProtocolError("a frame that was not asked for");
   const auto subpolygon = static_cast<int>(report.subpolygon);
@@ -205,6 +207,7 @@ void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<c
                 pixels.data() + y * width * pixel_bytes, width * pixel_bytes);
   FrameResult& frame_result = result_.frames[static_cast<size_t>(index)];
   frame_result.traced_by[static_cast<size_t>(subpolygon)] = node;
+  frame_result.costs[static_cast<size_t>(subpolygon)] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
   for (size_t i = 0; i < report.rays.size(); ++i) {
     frame_result.rays[i] += report.rays[i];
     result_.rays[i] += report.rays[i];

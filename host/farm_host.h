@@ -43,7 +43,9 @@ class FarmHost {
   void receive_block(int node, std::span<const std::byte> bytes, double now);
   void receive_pixels(int node, std::span<const std::byte> bytes);
   void end_of_pixels(int node, const SubpolygonReport& report, double now);
-  void keep_result(int node, const SubpolygonReport& report, std::span<const std::byte> pixels, double now);
+  /// `bytes`: of the pixels on the net.
+  void keep_result(int node, const SubpolygonReport& report, std::span<const std::byte> pixels, size_t bytes,
+                   double now);
   void carry_out(const Action& action);
   void take_written(double now);
   int frame_index(uint32_t frame) const;

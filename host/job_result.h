@@ -27,6 +27,12 @@ struct NodeResult {
   bool is_lost = false;
 };
 
+/// What a subpolygon took, and its pixels on the net.
+struct SubpolygonCost {
+  double busy_s = 0;
+  uint64_t bytes = 0;
+};
+
 struct FrameResult {
   int frame = 0;
   std::string file;
@@ -35,6 +41,7 @@ struct FrameResult {
   bool is_written = false;
   RaysByKind rays{};
   std::vector<int> traced_by;  ///< the node of each subpolygon
+  std::vector<SubpolygonCost> costs;
 };
 
 struct PhaseTimes {

@@ -8,6 +8,7 @@
 
 #include "common/scene/input_error.h"
 #include "host/job_result.h"
+#include "host/text_file.h"
 
 namespace rayfarm {
 namespace {
@@ -68,13 +69,6 @@ Outcome read_outcome(const std::filesystem::path& stats) {
   return outcome;
 }
 
-void write_whole(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::trunc);
-  out << text;
-  if (!out.flush())
-    throw IoError(fmt::format("{}: can't be written; check the folder and the space left", path.string()));
-}
-
 }  // namespace
 
 int run_lighting_experiment(const ExperimentOptions& options,
@@ -125,8 +119,8 @@ int run_lighting_experiment(const ExperimentOptions& options,
                         outcome.trace_s, time_ratio, picture.thesis);
     pictures += fmt::format("![{0}]({0}.png) ", picture.name);
   }
-  write_whole(folder / "lighting.csv", csv);
-  write_whole(folder / "README.md", page + "\n" + pictures + "\n");
+  write_text_file((folder / "lighting.csv").string(), csv);
+  write_text_file((folder / "README.md").string(), page + "\n" + pictures + "\n");
   fmt::print("{}\n", (folder / "README.md").string());
   return 0;
 }

@@ -8,6 +8,7 @@
 #include "host/exit_code.h"
 #include "host/interrupt.h"
 #include "host/lighting_experiment.h"
+#include "host/net/net_commands.h"
 #include "host/render_command.h"
 #include "host/scene_commands.h"
 #include "node/node.h"
@@ -110,6 +111,10 @@ int run(const CommandLine& line, int argc, char** argv) {
     case CommandKind::experiment:
       if (launched_rank() != 0) return kComplete;
       return run_lighting_experiment(line.experiment, render_locally);
+    case CommandKind::model:
+      return launched_rank() == 0 ? run_model(line.model) : kComplete;
+    case CommandKind::simulate:
+      return launched_rank() == 0 ? run_simulate(line.simulate) : kComplete;
     case CommandKind::compare:
       return launched_rank() == 0 ? run_compare(line.compare) : kComplete;
   }

@@ -16,6 +16,7 @@
 #include "host/exit_code.h"
 #include "host/farm_host.h"
 #include "host/interrupt.h"
+#include "host/net/cost_map.h"
 #include "host/output_pattern.h"
 #include "host/report.h"
 #include "protocol/build_identity.h"
@@ -294,7 +295,10 @@ class RenderCommand {
     plan.processors = farm_.transport.node_count();
     plan.settings = encode_settings(settings);
     plan.grid = make_grid(settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(),
-                          plan.processors);
+                          plan.processors, options_.subpolygons_per_processor);
+    plan.rotates = options_.rotates;
+    plan.ray_time_s = options_.ray_time_s;
+    plan.time_factors = options_.time_factors;
     for (const int frame : choose_frames(options_, scene)) {
       const std::string file = file_of_frame(options_.output, frame);
       if (options_.skip_existing && std::filesystem::exists(file)) {
@@ -346,6 +350,7 @@ class RenderCommand {
     for (const int node : result_.lost_nodes()) log_->warn("node {} was lost", node);
     if (!options_.stats.empty())
       write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
+    if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, plan.grid);
     if (!options_.is_quiet) fmt::print(stderr, "{}", format_report(result_, meter, plan));
     for (const FrameResult& frame : result_.frames)
       if (frame.is_written) fmt::print("{}\n", frame.file);

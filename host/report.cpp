@@ -2,13 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "common/scene/input_error.h"
 #include "host/progress.h"
+#include "host/text_file.h"
 
 namespace rayfarm {
 namespace {
@@ -127,19 +125,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
   j["wire"] = plan.wire == Wire::block ? "block" : "pixel";
   j["subpolygons"] = {{"columns", plan.grid.columns}, {"rows", plan.grid.rows}};
 
-  const std::string temporary = path + ".part";
-  {
-    std::ofstream file(temporary);
-    file << j.dump(1) << "\n";
-    file.close();
-    if (!file) {
-      std::error_code ignored;
-      std::filesystem::remove(temporary, ignored);
-      throw IoError(
-          fmt::format("{}: the statistics can't be written; check the folder and the space left", path));
-    }
-  }
-  std::filesystem::rename(temporary, path);
+  write_text_file(path, j.dump(1) + "\n");
 }
 
 }  // namespace rayfarm

@@ -4,6 +4,8 @@
 
 #include <cstdio>
 #include <deque>
+#include <numeric>
+#include <thread>
 #include <utility>
 
 #include "protocol/block_codec.h"
@@ -106,7 +108,9 @@ class Node {
     if (plan_.policy != AssignmentPolicy::interleaved) return std::nullopt;
     while (own_next_ == own_.size()) {
       if (own_frame_index_ >= window_end_ || own_frame_index_ >= plan_.frames.size()) return std::nullopt;
-      own_ = interleaved_set(plan_.grid, plan_.processors, static_cast<int>(own_frame_index_++), self_ - 1);
+      own_ = interleaved_set(plan_.grid, plan_.processors,
+                             plan_.rotates ? static_cast<int>(own_frame_index_) : 0, self_ - 1);
+      ++own_frame_index_;
       own_next_ = 0;
     }
     return Assigned{plan_.frames[own_frame_index_ - 1], plan_.grid.polygon(own_[own_next_++])};
@@ -120,6 +124,7 @@ class Node {
       const auto traced = tracer.trace(work.frame, work.polygon, [this] {
         if (now_s() - last_poll_ > kPollInterval_s) poll();
       });
+      if (plan_.ray_time_s > 0) pretend_until(begin + emulated_s(traced.rays));
       SubpolygonReport report{static_cast<uint32_t>(work.frame), static_cast<uint32_t>(subpolygon),
                               traced.rays, static_cast<uint64_t>((now_s() - begin) * 1e6)};
       if (plan_.wire == Wire::pixel)
@@ -129,6 +134,22 @@ class Node {
     } catch (const std::exception& e) {
       transport_.send(kHost, SubpolygonFailed{static_cast<uint32_t>(work.frame),
                                               static_cast<uint32_t>(std::max(subpolygon, 0)), e.what()});
+    }
+  }
+
+  /// What the emulated processor takes for so many rays.
+  double emulated_s(const std::array<uint64_t, 5>& rays) const {
+    const auto& factors = plan_.time_factors;
+    const double factor = factors.empty() ? 1 : factors[static_cast<size_t>(self_ - 1) % factors.size()];
+    return plan_.ray_time_s * factor *
+           static_cast<double>(std::accumulate(rays.begin(), rays.end(), uint64_t{0}));
+  }
+
+  /// Lets time pass as an emulated processor's, without using this one.
+  void pretend_until(double end) {
+    for (double rest; (rest = end - now_s()) > 0;) {
+      std::this_thread::sleep_for(std::chrono::duration<double>(std::min(rest, kPollInterval_s)));
+      if (now_s() - last_poll_ > kPollInterval_s) poll();
     }
   }
 

@@ -20,6 +20,9 @@ struct JobPlan {
   int processors = 1;
   double host_timeout_s = 6;  ///< a node that hears nothing of the host for so long ends
   SubpolygonGrid grid;
+  bool rotates = true;               ///< interleaved: sets move on from frame to frame
+  double ray_time_s = 0;             ///< emulated processors: what a ray takes at least
+  std::vector<double> time_factors;  ///< of the processors, in turn: 2 takes twice as long; empty: all 1
   Bytes settings;
 };
 

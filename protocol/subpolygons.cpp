@@ -7,9 +7,6 @@
 namespace rayfarm {
 namespace {
 
-constexpr int kPerProcessor = 64;
-constexpr int kLeastSide = 8;
-
 int boundary(int extent, int parts, int i) {
   return static_cast<int>(int64_t{extent} * i / parts);
 }
@@ -21,6 +18,18 @@ int cell_at(int extent, int parts, int position) {
   for (int i = std::max(0, guess - 1); i <= std::min(parts - 1, guess + 1); ++i)
     if (boundary(extent, parts, i) == position) return i;
   return -1;
+}
+
+int golden_part(int n) {
+  return static_cast<int>(0.6180339887498949 * n + 0.5);
+}
+
+/// The number nearest to n's golden part whose multiples reach all of n.
+int golden_step(int n) {
+  const int middle = golden_part(n);
+  for (int off = 0;; ++off)
+    for (const int step : {middle - off, middle + off})
+      if (step > 0 && std::gcd(step, n) == 1) return step;
 }
 
 }  // namespace
@@ -40,18 +49,23 @@ int SubpolygonGrid::find(const DisplayPolygon& p) const {
   return polygon(subpolygon) == p ? subpolygon : -1;
 }
 
-SubpolygonGrid make_grid(int left, int top, int width, int height, int processors) {
-  const double area = double(width) * height / (double(kPerProcessor) * std::max(1, processors));
-  const int side = std::max(kLeastSide, static_cast<int>(std::sqrt(area)));
+SubpolygonGrid make_grid(int left, int top, int width, int height, int processors, int per_processor,
+                         int least_side) {
+  const double area = double(width) * height / (double(per_processor) * std::max(1, processors));
+  const int side = std::max(least_side, static_cast<int>(std::sqrt(area)));
   return {left, top, width, height, std::max(1, width / side), std::max(1, height / side)};
 }
 
 int interleaved_owner(const SubpolygonGrid& grid, int processors, int frame_index, int subpolygon) {
-  // Counting row by row, rows repeat after processors / gcd of them; shifting by one there keeps columns from
-  // belonging to one processor and leaves the counts even.
-  const int period = processors / std::gcd(grid.columns, processors);
-  const int shift = (subpolygon / grid.columns) / period;
-  return static_cast<int>((int64_t{subpolygon} + shift + frame_index) % processors);
+  // Counting row by row gives every processor as many; so do the rows in any other order, as long as whole
+  // periods, after which their beginnings repeat, stay together. In this one each row begins about a golden
+  // part of the processors further on than the one above, so that the subpolygons of a processor make a
+  // lattice without short steps: a hard patch of any shape falls to all alike.
+  const int64_t row = subpolygon / grid.columns, column = subpolygon % grid.columns;
+  const int common = std::gcd(grid.columns, processors), period = processors / common;
+  const int64_t begin = common * (row % period * golden_step(period) % period);
+  const int64_t shift = row / period * std::max(1, golden_part(common));
+  return static_cast<int>((column + begin + shift + frame_index) % processors);
 }
 
 std::vector<int> interleaved_set(const SubpolygonGrid& grid, int processors, int frame_index, int processor) {

@@ -18,8 +18,12 @@ struct SubpolygonGrid {
   int find(const DisplayPolygon& polygon) const;
 };
 
-/// About 64 subpolygons per processor, none smaller than 8 × 8 pixels unless the rectangle is.
-SubpolygonGrid make_grid(int left, int top, int width, int height, int processors);
+/// The thesis's number of subpolygons for each processor.
+inline constexpr int kSubpolygonsPerProcessor = 64;
+
+/// About so many subpolygons per processor, none narrower than `least_side` pixels unless the rectangle is.
+SubpolygonGrid make_grid(int left, int top, int width, int height, int processors,
+                         int per_processor = kSubpolygonsPerProcessor, int least_side = 8);
 
 /// The processor (0 to processors - 1) that traces a subpolygon of the sequence's frame `frame_index`: evenly
 /// spread over the image, and the next processor's set in the next frame.

@@ -55,9 +55,15 @@ TEST(Messages, ThereAndBack) {
   plan.wire = Wire::pixel;
   plan.grid = make_grid(0, 0, 640, 480, 3);
   plan.processors = 3;
+  plan.rotates = false;
+  plan.ray_time_s = 0.00025;
+  plan.time_factors = {1, 0.5, 2};
   plan.settings = payload;
   const JobPlan plan_back = decode_plan(decode_load_code(encode_load_code(encode_plan(plan))));
   EXPECT_EQ(plan_back.frames, plan.frames);
+  EXPECT_FALSE(plan_back.rotates);
+  EXPECT_NEAR(plan_back.ray_time_s, 0.00025, 1e-12);
+  EXPECT_EQ(plan_back.time_factors, plan.time_factors);
   EXPECT_EQ(plan_back.wire, Wire::pixel);
   EXPECT_EQ(plan_back.grid.columns, plan.grid.columns);
   EXPECT_EQ(plan_back.settings, payload);

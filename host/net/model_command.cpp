@@ -1,0 +1,143 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/scene/input_error.h"
+#include "host/exit_code.h"
+#include "host/net/net_commands.h"
+#include "host/net/net_flags.h"
+#include "host/net/table.h"
+#include "protocol/messages.h"
+
+namespace rayfarm {
+namespace {
+
+/// Takes from the statistics of a real render what the model needs.
+void read_statistics(const std::string& path, NetModel& model) {
+  std::ifstream file(path);
+  if (!file) throw IoError(fmt::format("{}: can't be read", path));
+  try {
+    const nlohmann::json j = nlohmann::json::parse(file);
+    const double frames = static_cast<double>(j.at("frames").size());
+    model.pixels = j.at("image").at("width").get<double>() * j.at("image").at("height").get<double>();
+    double busy_s = 0;
+    for (const auto& node : j.at("nodes")) busy_s += node.at("busy_s").get<double>();
+    model.pixel_time_s = busy_s / (model.pixels * frames);
+    const auto& traffic = j.at("traffic");
+    model.code_bytes = traffic.at(name_of(Command::load_code)).at("bytes");
+    model.data_bytes = traffic.at(name_of(Command::load_data)).at("bytes");
+    const double nodes = static_cast<double>(j.at("nodes").size());
+    model.assignment_bytes =
+        traffic.at(name_of(Command::load_display_polygon)).at("bytes").get<double>() / (frames * nodes);
+    model.subpolygons_per_processor = j.at("subpolygons").at("columns").get<double>() *
+                                      j.at("subpolygons").at("rows").get<double>() / nodes;
+    if (j.at("wire") == "block")
+      model.wires.push_back({"measured", traffic.at("bytes_per_pixel").get<double>(), 0});
+    if (!(model.pixel_time_s > 0)) throw InputError({path}, "the render traced nothing");
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError(
+        {path},
+        fmt::format("not the statistics of a render ({}); `rayfarm render --stats` writes them", e.what()));
+  }
+}
+
+}  // namespace
+
+void add_model_command(CLI::App& app, CommandLine& line) {
+  ModelOptions& o = line.model;
+  NetModel& m = o.model;
+  CLI::App* model = app.add_subcommand(
+      "model", "the thesis's model of the net: Equation 4.6 with its limits, for any numbers");
+  // These two set what later flags change, whatever their order: they are read first.
+  model
+      ->add_option_function<std::string>(
+          "--preset", [&m](const std::string&) { m = thesis_model(); },
+          "thesis: its numbers of section 4.4.4.2")
+      ->check(CLI::IsMember({"thesis"}))
+      ->trigger_on_parse();
+  model
+      ->add_option_function<std::string>(
+          "--stats", [&m](const std::string& path) { read_statistics(path, m); },
+          "take size, times and bytes from what `rayfarm render --stats` wrote")
+      ->type_name("FILE")
+      ->trigger_on_parse();
+  const auto number = [model](const char* name, double& target, double least, double most, const char* help) {
+    model->add_option(name, target, help)->check(CLI::Range(least, most));
+  };
+  add_rate(model, m.rate_bit_per_s);
+  number("--pixels", m.pixels, 1, 1e12, "of a frame (default: 1024 × 1024)");
+  number("--pixel-time", m.pixel_time_s, 1e-15, 1e6,
+         "seconds to trace a pixel on one processor (default: 0.04)");
+  number("--code-bytes", m.code_bytes, 0, 1e15, "of code (default: 0)");
+  number("--data-bytes", m.data_bytes, 0, 1e15, "of the scene (default: 0)");
+  number("--copies", m.copies_per_processor, 0, 1,
+         "of code and data for each processor: 0 broadcasts them once, 1 sends them to one after the other "
+         "(default: 0)");
+  number("--assignment-bytes", m.assignment_bytes, 0, 1e9, "for each processor and frame (default: 0)");
+  number("--subpolygons", m.subpolygons_per_processor, 1, 1e9, "per processor (default: 64)");
+  number("--frame-buffer-time", m.frame_buffer_s, 0, 1e3,
+         "seconds in which the host stores a pixel (default: 0, no limit)");
+  model
+      ->add_option_function<std::vector<double>>(
+          "--wire-bytes",
+          [&m](const std::vector<double>& values) {
+            for (const double bytes : values) m.wires.push_back({fmt::format("{:g} bytes", bytes), bytes, 0});
+          },
+          "bytes per pixel of further wires, whose messages are subpolygons; beside 9 (pixel) and 3 (block)")
+      ->delimiter(',')
+      ->check(CLI::Range(1e-6, 1e6));
+  model->add_option("--processors", o.processors, "1,2,4: rows of the table")
+      ->delimiter(',')
+      ->check(CLI::Range(1.0, 1e9));
+  add_format(model, o.format);
+  model->callback([&line] { line.kind = CommandKind::model; });
+}
+
+int run_model(const ModelOptions& options) {
+  NetModel model = options.model;
+  std::vector<WireModel> wires{{"pixel", kPixelBytes, 1}};
+  if (model.wires.empty() || model.wires.front().name != "pixel") wires.push_back({"block", 3, 0});
+  for (const WireModel& wire : model.wires)
+    if (wire.name != "pixel") wires.push_back(wire);
+
+  Table limits{"limits",
+               {"wire", "bytes/pixel", "processors that fill the net", "that fill the frame buffer",
+                "best for the first frame", "its speed-up"},
+               {}};
+  std::vector<double> processors = options.processors;
+  if (processors.empty()) {
+    for (double n = 1; n <= kMostProcessors; n *= 4) processors.push_back(n);
+    for (const WireModel& wire : wires)
+      if (const double n = std::floor(saturating_processors(model, wire)); n >= 1 && n <= kMostProcessors)
+        processors.push_back(n);
+    std::sort(processors.begin(), processors.end());
+    processors.erase(std::unique(processors.begin(), processors.end()), processors.end());
+  }
+  std::vector<Table> tables;
+  for (const WireModel& wire : wires) {
+    const int best = best_processors(model, wire);
+    limits.rows.push_back({wire.name, wire.bytes_per_pixel, std::floor(saturating_processors(model, wire)),
+                           std::floor(frame_buffer_processors(model)), double(best),
+                           std::floor(evaluate(model, wire, best).first_speedup)});
+    Table table{
+        "wire: " + wire.name,
+        {"processors", "code_s", "data_s", "assignment_s", "results_s", "trace_s", "net_s", "frame_buffer_s",
+         "first_frame_s", "next_frame_s", "first_speedup", "next_speedup", "net_use"},
+        {}};
+    for (const double n : processors) {
+      const NetTimes t = evaluate(model, wire, n);
+      table.rows.push_back({t.processors, t.code_s, t.data_s, t.assignment_s, t.results_s, t.trace_s, t.net_s,
+                            t.frame_buffer_s, t.first_frame_s, t.next_frame_s, t.first_speedup,
+                            t.next_speedup, t.net_use});
+    }
+    tables.push_back(std::move(table));
+  }
+  tables.insert(tables.begin(), limits);
+  fmt::print("{}", format_tables(tables, options.format));
+  return kComplete;
+}
+
+}  // namespace rayfarm
