@@ -272,9 +272,13 @@ CommandLine parse_command_line(int argc, char** argv) {
   compare->callback([&line] { line.kind = CommandKind::compare; });
   CLI::App* experiment =
       app.add_subcommand("experiment", "reproduce an experiment of the seeds, and write a page about it");
-  experiment->add_option("NAME", line.experiment.name, "lighting: the pictures of the thesis's chapter 3")
+  experiment
+      ->add_option(
+          "NAME", line.experiment.name,
+          "lighting: the pictures of the thesis's chapter 3; net-load: processor counts against the net's "
+          "load, section 4.4.4.2; working-sets: Table 4.12")
       ->required()
-      ->check(CLI::IsMember({"lighting"}));
+      ->check(CLI::IsMember({"lighting", "net-load", "working-sets"}));
   experiment->add_option("-o,--output", line.experiment.output,
                          "folder for page, pictures and numbers (default: out/NAME)");
   experiment->add_option("--scenes", line.experiment.scenes,
@@ -282,6 +286,9 @@ CommandLine parse_command_line(int argc, char** argv) {
   experiment
       ->add_option("--width", line.experiment.width_px, "of the pictures in pixels (default: the scenes')")
       ->check(CLI::Range(8, 65536));
+  experiment->add_option(
+      "--cluster", line.experiment.cluster,
+      "net-load: the script that makes a virtual cluster (default: deploy/virtual-cluster)");
   experiment->callback([&line] {
     line.kind = CommandKind::experiment;
     if (line.experiment.output.empty()) line.experiment.output = "out/" + line.experiment.name;

@@ -46,8 +46,9 @@ struct CompareOptions {
 struct ExperimentOptions {
   std::string name;
   std::string output;
-  std::string scenes = "scenes";  ///< the folder that holds them
-  int width_px = 0;               ///< of the pictures; 0: as the scenes have it
+  std::string scenes = "scenes";                   ///< the folder that holds them
+  int width_px = 0;                                ///< of the pictures; 0: as the scenes have it
+  std::string cluster = "deploy/virtual-cluster";  ///< the program that makes one
 };
 
 enum class CommandKind { render, check, info, compare, experiment, model, simulate, none };

@@ -54,7 +54,8 @@ int FarmHost::frame_index(uint32_t frame) const {
 }
 
 void FarmHost::run() {
-  const double begin = now_s();
+  const double begin = now_s(), cpu_begin = cpu_s();
+  result_.times.trace_began_unix_s = unix_s();
   double ticked = 0, traced = begin;
   Heartbeat heartbeat;
   Backoff backoff;
@@ -90,6 +91,7 @@ void FarmHost::run() {
     }
   }
   const double end = now_s();
+  result_.times.host_cpu_s = cpu_s() - cpu_begin;
   result_.times.trace_s = (traced > begin ? traced : end) - begin;
   progress_.show(end - begin, result_.pixels_kept, total(result_.rays),
                  transport_.meter()->total(Command::return_result).bytes, assignment_.nodes_alive(), true);

@@ -9,6 +9,8 @@
 #include "host/interrupt.h"
 #include "host/lighting_experiment.h"
 #include "host/net/net_commands.h"
+#include "host/net/net_load_experiment.h"
+#include "host/net/working_sets.h"
 #include "host/render_command.h"
 #include "host/scene_commands.h"
 #include "node/node.h"
@@ -110,6 +112,8 @@ int run(const CommandLine& line, int argc, char** argv) {
       return launched_rank() == 0 ? run_info(line.scene) : kComplete;
     case CommandKind::experiment:
       if (launched_rank() != 0) return kComplete;
+      if (line.experiment.name == "net-load") return run_net_load_experiment(line.experiment, render_locally);
+      if (line.experiment.name == "working-sets") return run_working_set_experiment(line.experiment);
       return run_lighting_experiment(line.experiment, render_locally);
     case CommandKind::model:
       return launched_rank() == 0 ? run_model(line.model) : kComplete;

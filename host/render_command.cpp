@@ -298,6 +298,8 @@ class RenderCommand {
                           plan.processors, options_.subpolygons_per_processor);
     plan.rotates = options_.rotates;
     plan.ray_time_s = options_.ray_time_s;
+    // Who waits longer for nodes has a slower net, on which nodes wait longer for their host.
+    plan.host_timeout_s = std::max(plan.host_timeout_s, options_.node_timeout_s - 2);
     plan.time_factors = options_.time_factors;
     for (const int frame : choose_frames(options_, scene)) {
       const std::string file = file_of_frame(options_.output, frame);

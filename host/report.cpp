@@ -107,8 +107,14 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
   j["traffic"]["model_bytes_per_pixel"] = kModelBytesPerPixel;
   j["traffic"]["duplicate_results"] = result.duplicates;
   const PhaseTimes& t = result.times;
-  j["time_s"] = {{"load", t.load_s},   {"build", t.build_s}, {"broadcast", t.broadcast_s},
-                 {"trace", t.trace_s}, {"write", t.write_s}, {"total", t.total_s}};
+  j["time_s"] = {{"load", t.load_s},
+                 {"build", t.build_s},
+                 {"broadcast", t.broadcast_s},
+                 {"trace", t.trace_s},
+                 {"write", t.write_s},
+                 {"total", t.total_s},
+                 {"trace_began_unix", t.trace_began_unix_s},
+                 {"host_cpu", t.host_cpu_s}};
   j["nodes"] = json::array();
   for (const NodeResult& n : result.nodes)
     j["nodes"].push_back({{"id", n.id},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace rayfarm {
@@ -51,9 +52,25 @@ int SubpolygonGrid::find(const DisplayPolygon& p) const {
 
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors, int per_processor,
                          int least_side) {
-  const double area = double(width) * height / (double(per_processor) * std::max(1, processors));
-  const int side = std::max(least_side, static_cast<int>(std::sqrt(area)));
-  return {left, top, width, height, std::max(1, width / side), std::max(1, height / side)};
+  const int most_columns = std::max(1, width / least_side), most_rows = std::max(1, height / least_side);
+  const double wanted = double(per_processor) * std::max(1, processors);
+  const double squares = std::sqrt(wanted * width / height);  // columns that make subpolygons square
+  SubpolygonGrid best{left, top, width, height, 1, 1};
+  double least_fault = std::numeric_limits<double>::infinity();
+  const int first = std::clamp(static_cast<int>(0.7 * squares), 1, most_columns),
+            last = std::clamp(static_cast<int>(1.4 * squares) + 1, 1, most_columns);
+  for (int columns = first; columns <= last; ++columns) {
+    const int rows = static_cast<int>(std::clamp(std::ceil(wanted / columns), 1.0, double(most_rows)));
+    const double count = double(columns) * rows, aspect = double(width) * rows / (double(height) * columns);
+    // A few subpolygons too many cost as much as sides that differ by some percent more.
+    const double fault = std::abs(count - wanted) / wanted + 0.1 * std::abs(std::log(aspect));
+    if (fault < least_fault) {
+      least_fault = fault;
+      best.columns = columns;
+      best.rows = rows;
+    }
+  }
+  return best;
 }
 
 int interleaved_owner(const SubpolygonGrid& grid, int processors, int frame_index, int subpolygon) {

@@ -53,6 +53,7 @@ void add_simulate_command(CLI::App& app, CommandLine& line) {
     simulate->add_option(name, target, help)->check(CLI::Range(0.0, most));
   };
   count("--subpolygons", s.subpolygons_per_processor, 1, "per processor (default: 64)");
+  count("--least-side", s.least_side_px, 1, "of a subpolygon in pixels (default: 1; a render's is 8)");
   count("--frames-open", s.frames_open, 1, "at once (default: 3)");
   count("--pixels-per-message", s.pixels_per_message, 1, "of the pixel wire (default: 1)");
   count("--held", s.messages_held, 0,

@@ -53,8 +53,8 @@ class Simulator {
  public:
   explicit Simulator(const Simulation& s)
       : s_(s),
-        grid_(
-            make_grid(0, 0, s.cost.width_px, s.cost.height_px, s.processors, s.subpolygons_per_processor, 1)),
+        grid_(make_grid(0, 0, s.cost.width_px, s.cost.height_px, s.processors, s.subpolygons_per_processor,
+                        s.least_side_px)),
         processors_(static_cast<size_t>(s.processors)),
         nets_(static_cast<size_t>(s.nets)),
         host_out_(nets_.size()),

@@ -34,7 +34,8 @@ struct Simulation {
   AssignmentPolicy policy = AssignmentPolicy::interleaved;
   bool rotates = true;  ///< interleaved: sets move on from frame to frame
   int subpolygons_per_processor = kSubpolygonsPerProcessor;
-  int frames_open = 3;  ///< a frame is begun only when the one so many before it is whole
+  int least_side_px = 1;  ///< of a subpolygon
+  int frames_open = 3;    ///< a frame is begun only when the one so many before it is whole
   ResultForm form = ResultForm::pixels;
   int pixels_per_message = 1;  ///< of the pixel form
   int messages_held = 1;       ///< by a processor before it waits for the net; 0: any number

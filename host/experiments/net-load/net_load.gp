@@ -1,0 +1,26 @@
+# gnuplot net_load.gp
+set terminal svg size 760,420 font "sans,12" background "white"
+set key left bottom
+set grid
+set output "knee.svg"
+set logscale xy 2
+set xrange [3.5:36]
+set xlabel "processors"
+set ylabel "frame, seconds"
+set title "A frame on the virtual cluster, on nets that 12 processors fill"
+plot "knee.dat" index 0 using 1:2 with points pt 7 lc 1 title "pixel wire, measured", \
+     "" index 0 using 1:3 with lines lc 1 title "model, bytes on the links", \
+     "" index 1 using 1:2 with points pt 5 lc 2 title "block wire on a third of the rate, measured", \
+     "" index 1 using 1:3 with lines lc 2 dt 2 title "model"
+set output "beyond.svg"
+unset logscale
+set logscale xy 10
+set xrange [10:20000]
+set yrange [10:20000]
+set key left top
+set ylabel "speed-up"
+set title "Simulated, with the numbers of 1985: 0.04 s a pixel, 8 Mbit/s, 1024 x 1024"
+plot "beyond.dat" index 0 using 1:2 with linespoints lc 1 title "pixel wire, 9 bytes", \
+     "" index 1 using 1:2 with linespoints lc 2 title "block wire, 3 bytes", \
+     "" index 2 using 1:2 with linespoints lc 3 title "compressed, 0.71 bytes", \
+     "+" using (4444):(4444) every ::0::0 with points pt 3 ps 2 lc 0 title "the thesis: 4,444"

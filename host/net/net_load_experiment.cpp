@@ -1,0 +1,381 @@
+#include "host/net/net_load_experiment.h"
+
+#include <fmt/core.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/scene/input_error.h"
+#include "host/exit_code.h"
+#include "host/job_result.h"
+#include "host/net/cost_map.h"
+#include "host/net/net_load_page.h"
+#include "host/text_file.h"
+#include "protocol/messages.h"
+
+namespace rayfarm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWidth_px = 512;
+constexpr double kKnee = 12;              ///< processors that are to fill the net
+constexpr double kMessagePayload = 1448;  ///< of TCP in an Ethernet frame
+constexpr int kPixelsPerTransfer = 455;   ///< of the farm's pixel wire
+
+/// Ends the experiment with a job's exit code.
+struct Stopped {
+  int exit_code;
+};
+
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "'\\''" : std::string(1, c);
+  return out + "'";
+}
+
+/// A size of the picture, with what its pixels take and weigh: found out before anything is emulated.
+struct Setup {
+  int width_px = kWidth_px;
+  double plateau_s = 4;  ///< what a frame is to take when the net is full
+  double pixels = 0, rays_per_pixel = 0, compressed_bytes = 0;
+
+  /// So that kKnee processors fill a net that takes plateau_s for a frame.
+  double pixel_time_s() const { return kKnee * plateau_s / pixels; }
+  double rate_of(double bytes_per_pixel) const {
+    return 8 * std::round(pixels * bytes_per_pixel / plateau_s);
+  }
+};
+
+/// Bytes on the net between two moments, from the cluster's samples, linear between them.
+double bytes_between(const fs::path& samples, double begin, double end) {
+  std::ifstream file(samples);
+  std::string line;
+  std::getline(file, line);
+  std::vector<std::array<double, 2>> points;  // time, bytes
+  while (std::getline(file, line))
+    if (const size_t comma = line.find(','); comma != std::string::npos)
+      points.push_back({std::atof(line.c_str()), std::atof(line.c_str() + comma + 1)});
+  const auto at = [&points](double time) {
+    for (size_t i = 1; i < points.size(); ++i) {
+      const auto [t0, b0] = points[i - 1];
+      const auto [t1, b1] = points[i];
+      if (time <= t1 && t1 > t0) return b0 + std::clamp((time - t0) / (t1 - t0), 0.0, 1.0) * (b1 - b0);
+    }
+    return points.empty() ? 0 : points.back()[1];
+  };
+  return at(end) - at(begin);
+}
+
+class NetLoad {
+ public:
+  NetLoad(const ExperimentOptions& options, const std::function<int(const RenderOptions&)>& render)
+      : options_(options), render_(render), folder_(options.output) {
+    fs::create_directories(folder_ / "runs");
+    if (options.width_px > 0) setup_.width_px = options.width_px;
+    scene_ = fs::absolute(fs::path(options.scenes) / "primitives.yaml").string();
+  }
+
+  NetLoadPage run() {
+    calibrate(setup_);
+    measure_loading();
+    measure_knees();
+    measure_balance();
+    page_.pixels = setup_.pixels;
+    page_.pixel_time_s = setup_.pixel_time_s();
+    return std::move(page_);
+  }
+
+ private:
+  RenderOptions job(const std::string& scene, const std::string& name, int width) const {
+    RenderOptions job;
+    job.scene = scene;
+    job.output = (folder_ / "runs" / (name + ".png")).string();
+    job.stats = (folder_ / "runs" / (name + ".json")).string();
+    job.cost_map = (folder_ / "runs" / (name + ".map.json")).string();
+    job.size_px = {width, width * 3 / 4};
+    job.is_quiet = true;
+    job.node_timeout_s = 120;
+    return job;
+  }
+
+  static nlohmann::json read_json(const std::string& path) {
+    std::ifstream file(path);
+    if (!file) throw IoError(fmt::format("{}: can't be read", path));
+    return nlohmann::json::parse(file);
+  }
+
+  void render_here(const RenderOptions& job) const {
+    if (const int code = render_(job); code != 0) throw Stopped{code};
+  }
+
+  void calibrate(Setup& setup) const {
+    say("calibrating");
+    RenderOptions job = this->job(scene_, "calibration", setup.width_px);
+    job.local_nodes = 16;
+    render_here(job);
+    const nlohmann::json stats = read_json(job.stats);
+    setup.pixels = double(setup.width_px) * (setup.width_px * 3 / 4);
+    double rays = 0;
+    for (const auto& [kind, count] : stats.at("rays").items()) rays += count.get<double>();
+    setup.rays_per_pixel = rays / setup.pixels;
+    setup.compressed_bytes = stats.at("traffic").at("bytes_per_pixel");
+  }
+
+  /// Runs a render across the virtual cluster.
+  nlohmann::json render_on_cluster(const Setup& setup, const std::string& name, int nodes, double rate,
+                                   const std::string& scene, const std::string& arguments) const {
+    const fs::path runs = fs::absolute(folder_ / "runs");
+    const std::string stats = (runs / (name + ".json")).string();
+    const std::string command = fmt::format(
+        "{} --nodes {} --rate {:.0f}bit --counters {} --samples {} -- {} render {} -o {} --stats {} "
+        "--cost-map {} "
+        "--size {}x{} --node-timeout 120 -q {} >/dev/null",
+        quoted(options_.cluster), nodes, rate, quoted((runs / (name + ".links.json")).string()),
+        quoted((runs / (name + ".samples.csv")).string()),
+        quoted(fs::read_symlink("/proc/self/exe").string()), quoted(scene),
+        quoted((runs / (name + ".png")).string()), quoted(stats),
+        quoted((runs / (name + ".map.json")).string()), setup.width_px, setup.width_px * 3 / 4, arguments);
+    const int status = std::system(command.c_str());
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+      fmt::print(stderr, "rayfarm: the run '{}' on the virtual cluster failed\n", name);
+      throw Stopped{WIFEXITED(status) ? WEXITSTATUS(status) : kStopped};
+    }
+    return read_json(stats);
+  }
+
+  /// Ten megabytes to one node, and to two: a copy each on a shared net.
+  void measure_loading() {
+    const double bytes = 10e6 * std::min(1.0, double(setup_.width_px) / kWidth_px);
+    const auto spheres = static_cast<int>(bytes / 133);
+    const std::string scene = fs::absolute(folder_ / "runs" / "load.nff").string();
+    std::string text =
+        "v\nfrom 0 0 9\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 64 48\nb 0 0 0\nl 5 5 5\n"
+        "f 0.5 0.5 0.5 1 0 0 0 1\n";
+    for (int i = 0; i < spheres; ++i)
+      text += fmt::format("s {} {} {} 0.01\n", i % 100 * 0.05 - 2.5, i / 100 % 100 * 0.05 - 2.5,
+                          -(i / 10000) * 0.1);
+    write_text_file(scene, text);
+    for (const int nodes : {1, 2}) {
+      say(fmt::format("loading {} nodes", nodes));
+      const nlohmann::json stats =
+          render_on_cluster(setup_, fmt::format("load-{}", nodes), nodes, 8e6, scene, "--crop 0,8,0,8");
+      LoadRun run;
+      run.nodes = nodes;
+      run.bytes = stats.at("traffic").at(name_of(Command::load_data)).at("bytes");
+      run.seconds = stats.at("time_s").at("broadcast");
+      page_.loads.push_back(run);
+    }
+  }
+
+  void measure_knees() {
+    const std::vector<int> processors{4, 8, 12, 18, 24, 32};
+    sweep(setup_, "pixel", kPixelBytes, setup_.rate_of(kPixelBytes), processors, "--wire pixel",
+          ResultForm::pixels);
+    sweep(setup_, "block", 3, setup_.rate_of(3), processors, "--compression none", ResultForm::blocks);
+    // On one net, at twice the resolution: blocks of a few hundred pixels, as the thesis's picture has them.
+    Setup large{2 * setup_.width_px, 2 * setup_.plateau_s, 0, 0, 0};
+    calibrate(large);
+    const double rate = large.rate_of(kPixelBytes);
+    sweep(large, "pixel, large", kPixelBytes, rate, {32}, "--wire pixel", ResultForm::pixels);
+    sweep(large, "compressed, large", large.compressed_bytes, rate, {8, 16, 32}, "", ResultForm::compressed);
+    sweep(large, "compressed, large, on demand", large.compressed_bytes, rate, {32}, "--assign on-demand",
+          ResultForm::compressed);
+  }
+
+  void sweep(const Setup& setup, const std::string& wire, double bytes_per_pixel, double rate,
+             const std::vector<int>& processors, const std::string& arguments, ResultForm form) {
+    const bool is_on_demand = arguments.find("on-demand") != std::string::npos;
+    for (const int n : processors) {
+      say(fmt::format("{} wire, {} processors", wire, n));
+      std::string name = fmt::format("{}-{}", wire, n);
+      std::replace_if(
+          name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '-');
+      const nlohmann::json stats = render_on_cluster(
+          setup, name, n, rate, scene_,
+          fmt::format("--processor-time {:.9g} {} {}", setup.pixel_time_s() / setup.rays_per_pixel, arguments,
+                      is_on_demand ? "" : "--assign interleaved"));
+      NetRun run;
+      run.wire = wire;
+      run.processors = n;
+      run.rate_bit_per_s = rate;
+      run.frame_s = stats.at("time_s").at("trace");
+      run.host_cpu_s = stats.at("time_s").at("host_cpu");
+      const auto& traffic = stats.at("traffic");
+      double metered = traffic.at("control").at("bytes"), messages = traffic.at("control").at("messages");
+      for (const Command c : {Command::load_display_polygon, Command::return_result}) {
+        metered += traffic.at(name_of(c)).at("bytes").get<double>();
+        messages += traffic.at(name_of(c)).at("messages").get<double>();
+      }
+      run.metered_bytes_per_pixel = metered / setup.pixels;
+      const double began = stats.at("time_s").at("trace_began_unix");
+      const double link_bytes =
+          bytes_between(folder_ / "runs" / (name + ".samples.csv"), began, began + run.frame_s);
+      run.link_bytes_per_pixel = link_bytes / setup.pixels;
+      run.net_use = 8 * link_bytes / (rate * run.frame_s);
+      double busy = 0;
+      for (const auto& node : stats.at("nodes")) busy += node.at("busy_s").get<double>();
+      run.idle = 1 - busy / (n * run.frame_s);
+
+      NetModel model;
+      model.rate_bit_per_s = rate;
+      model.pixels = setup.pixels;
+      model.pixel_time_s = busy / setup.pixels;
+      const WireModel payload{wire, bytes_per_pixel, 0}, links{wire, run.link_bytes_per_pixel, 0};
+      run.model_s = evaluate(model, payload, n).next_frame_s;
+      run.link_model_s = evaluate(model, links, n).next_frame_s;
+
+      Simulation s;
+      s.processors = n;
+      s.policy = is_on_demand ? AssignmentPolicy::on_demand : AssignmentPolicy::interleaved;
+      s.form = form;
+      s.pixels_per_message = kPixelsPerTransfer;
+      s.messages_held = 0;
+      s.least_side_px = 8;
+      s.rate_bit_per_s = rate;
+      s.cost = read_cost_map((folder_ / "runs" / (name + ".map.json")).string());
+      const double plain = simulate(s).bytes;
+      // What frames, acknowledgements and control messages add, as the links show it, on every packet.
+      s.packet_bytes = kMessagePayload;
+      s.message_bytes = 1;
+      const double packets = simulate(s).bytes - plain;
+      s.message_bytes = std::max(0.0, (link_bytes - plain) / packets);
+      run.simulated_s = simulate(s).total_s;
+      page_.runs.push_back(run);
+    }
+  }
+
+  /// Balance without a net: eight emulated processors in this process.
+  void measure_balance() {
+    const std::string corner = fs::absolute(folder_ / "runs" / "corner.yaml").string();
+    std::string text =
+        "# Plain floor, and glass balls in one corner of the picture.\n"
+        "view: {location: [0, 0, 10], look_at: [0, 0, 0], field_of_view: 60, aspect: 1.3333333}\n"
+        "frames: [1, 8]\nlights: [{position: [5, 9, 9]}]\n"
+        "materials: {glass: {ambient: 0, diffuse: 0.1, reflect: 0.3, transmit: 0.6, index: 1.3}}\nscene:\n"
+        "  - {polygon: {points: [[-20, -20, -3], [20, -20, -3], [20, 20, -3], [-20, 20, -3]]}}\n";
+    for (int i = 0; i < 36; ++i)
+      text += fmt::format("  - {{material: glass, sphere: {{center: [{}, {}, 0], radius: 0.22}}}}\n",
+                          -5.3 + 0.45 * (i % 6), 4.0 - 0.45 * (i / 6));
+    write_text_file(corner, text);
+    struct Case {
+      const char* name;
+      const std::string* scene;
+      int subpolygons;
+      AssignmentPolicy policy;
+      bool rotates;
+      int frames;
+      bool has_slow_node;
+    };
+    constexpr auto interleaved = AssignmentPolicy::interleaved, on_demand = AssignmentPolicy::on_demand;
+    const Case cases[] = {
+        {"even scene, 64 N subpolygons, interleaved", &scene_, 64, interleaved, true, 1, false},
+        {"even scene, N subpolygons, interleaved", &scene_, 1, interleaved, true, 1, false},
+        {"even scene, 64 N, on demand", &scene_, 64, on_demand, true, 1, false},
+        {"hard corner, 64 N, interleaved", &corner, 64, interleaved, true, 1, false},
+        {"hard corner, N, interleaved", &corner, 1, interleaved, true, 1, false},
+        {"hard corner, 64 N, on demand", &corner, 64, on_demand, true, 1, false},
+        {"hard corner, N, 8 frames, no rotation", &corner, 1, interleaved, false, 8, false},
+        {"hard corner, N, 8 frames, rotation", &corner, 1, interleaved, true, 8, false},
+        {"hard corner, 64 N, 8 frames, no rotation", &corner, 64, interleaved, false, 8, false},
+        {"hard corner, 64 N, 8 frames, rotation", &corner, 64, interleaved, true, 8, false},
+        {"one of 8 at half speed, 64 N, on demand", &scene_, 64, on_demand, true, 1, true},
+        {"one of 8 at half speed, 64 N, interleaved", &scene_, 64, interleaved, true, 1, true},
+    };
+    constexpr int kNodes = 8;
+    constexpr double kFrame_s = 2.5;  // of one frame, if evenly spread
+    int number = 0;
+    for (const Case& c : cases) {
+      say(c.name);
+      RenderOptions job = this->job(*c.scene, fmt::format("balance-{}.####", ++number), setup_.width_px / 2);
+      job.stats = (folder_ / "runs" / fmt::format("balance-{}.json", number)).string();
+      job.cost_map = (folder_ / "runs" / fmt::format("balance-{}.map.json", number)).string();
+      job.frames = c.frames > 1 ? fmt::format("1-{}", c.frames) : "1";
+      job.policy = c.policy;
+      job.rotates = c.rotates;
+      job.subpolygons_per_processor = c.subpolygons;
+      job.local_nodes = kNodes;
+      // How many rays a frame has is found out first.
+      RenderOptions probe = job;
+      probe.frames = "1";
+      probe.output = (folder_ / "runs" / "probe.####.png").string();
+      render_here(probe);
+      const auto rays_of = [](const nlohmann::json& stats) {
+        double rays = 0;
+        for (const auto& [kind, count] : stats.at("rays").items()) rays += count.get<double>();
+        return rays;
+      };
+      const double per_frame_s = c.frames > 1 ? kFrame_s / 4 : kFrame_s;
+      job.ray_time_s = per_frame_s * kNodes / rays_of(read_json(probe.stats));
+      if (c.has_slow_node) job.time_factors = {1, 1, 1, 1, 1, 1, 1, 2};
+      render_here(job);
+      const nlohmann::json stats = read_json(job.stats);
+      BalanceRun run;
+      run.name = c.name;
+      run.seconds = stats.at("time_s").at("trace");
+      const double speed = c.has_slow_node ? kNodes - 0.5 : kNodes;
+      run.efficiency = rays_of(stats) * job.ray_time_s / (speed * run.seconds);
+
+      Simulation s;
+      s.processors = kNodes;
+      s.frames = c.frames;
+      s.policy = c.policy;
+      s.rotates = c.rotates;
+      s.subpolygons_per_processor = c.subpolygons;
+      s.least_side_px = 8;
+      s.form = ResultForm::compressed;
+      s.messages_held = 0;
+      s.rate_bit_per_s = 1e12;
+      s.cost = read_cost_map(job.cost_map);
+      if (c.has_slow_node) {
+        // This run's map holds the slow node's times as they were; the first case's shows equal processors.
+        s.time_factors = job.time_factors;
+        s.cost = read_cost_map((folder_ / "runs" / "balance-1.map.json").string());
+      }
+      run.simulated_s = simulate(s).total_s;
+      page_.balance.push_back(run);
+    }
+  }
+
+  static void say(const std::string& what) { fmt::print(stderr, "net-load: {}\n", what); }
+
+  const ExperimentOptions& options_;
+  const std::function<int(const RenderOptions&)>& render_;
+  fs::path folder_;
+  Setup setup_;
+  std::string scene_;
+  NetLoadPage page_;
+};
+
+}  // namespace
+
+int run_net_load_experiment(const ExperimentOptions& options,
+                            const std::function<int(const RenderOptions&)>& render) {
+  if (geteuid() != 0) {
+    fmt::print(stderr, "rayfarm: the virtual cluster's network namespaces need root; run this as root\n");
+    return kRenderFailure;
+  }
+  if (!fs::exists(options.cluster)) {
+    fmt::print(stderr, "rayfarm: {} is not there; run this in Rayfarm's folder, or name it with --cluster\n",
+               options.cluster);
+    return kSceneError;
+  }
+  try {
+    const NetLoadPage page = NetLoad(options, render).run();
+    write_net_load_page(page, options.output);
+  } catch (const Stopped& stopped) {
+    return stopped.exit_code;
+  }
+  fmt::print("{}\n", (fs::path(options.output) / "README.md").string());
+  return kComplete;
+}
+
+}  // namespace rayfarm
