@@ -57,19 +57,24 @@ SubpolygonGrid make_grid(int left, int top, int width, int height, int processor
   const double squares = std::sqrt(wanted * width / height);  // columns that make subpolygons square
   SubpolygonGrid best{left, top, width, height, 1, 1};
   double least_fault = std::numeric_limits<double>::infinity();
-  const int first = std::clamp(static_cast<int>(0.7 * squares), 1, most_columns),
-            last = std::clamp(static_cast<int>(1.4 * squares) + 1, 1, most_columns);
-  for (int columns = first; columns <= last; ++columns) {
-    const int rows = static_cast<int>(std::clamp(std::ceil(wanted / columns), 1.0, double(most_rows)));
-    const double count = double(columns) * rows, aspect = double(width) * rows / (double(height) * columns);
-    // A few subpolygons too many cost as much as sides that differ by some percent more.
-    const double fault = std::abs(count - wanted) / wanted + 0.1 * std::abs(std::log(aspect));
-    if (fault < least_fault) {
-      least_fault = fault;
-      best.columns = columns;
-      best.rows = rows;
+  const auto whole = [](double x, int most) { return static_cast<int>(std::clamp(x, 1.0, double(most))); };
+  for (int columns = whole(0.7 * squares, most_columns); columns <= whole(1.4 * squares + 1, most_columns);
+       ++columns)
+    for (int rows = whole(0.9 * wanted / columns, most_rows);
+         rows <= whole(1.1 * wanted / columns + 1, most_rows); ++rows) {
+      const double count = double(columns) * rows, each = count / processors;
+      const double aspect = double(width) * rows / (double(height) * columns);
+      const double largest = std::ceil(double(width) / columns) * std::ceil(double(height) / rows) * count /
+                             (double(width) * height);  // of a subpolygon, to the mean
+      // What matters most is that all processors have as much to do: as many subpolygons, of one size.
+      const double fault = (std::ceil(each) / each - 1) + 0.5 * (largest - 1) +
+                           0.25 * std::abs(std::log(count / wanted)) + 0.1 * std::abs(std::log(aspect));
+      if (fault < least_fault) {
+        least_fault = fault;
+        best.columns = columns;
+        best.rows = rows;
+      }
     }
-  }
   return best;
 }
 
@@ -80,7 +85,9 @@ int interleaved_owner(const SubpolygonGrid& grid, int processors, int frame_inde
   // lattice without short steps: a hard patch of any shape falls to all alike.
   const int64_t row = subpolygon / grid.columns, column = subpolygon % grid.columns;
   const int common = std::gcd(grid.columns, processors), period = processors / common;
-  const int64_t begin = common * (row % period * golden_step(period) % period);
+  const bool is_whole_period = row / period < grid.rows / period;
+  const int64_t step = is_whole_period ? golden_step(period) : grid.columns / common % period;
+  const int64_t begin = common * (row % period * step % period);
   const int64_t shift = row / period * std::max(1, golden_part(common));
   return static_cast<int>((column + begin + shift + frame_index) % processors);
 }
