@@ -220,10 +220,10 @@ class Renderer::Rendering {
   /// In the rectangle and one pixel around it, as far as the picture goes: so that the choice of pixels does
   /// not depend on how it is cut.
   PixelMap<Color> trace_first_samples() {
-    const PixelRect& crop = settings_.crop;
-    PixelMap<Color> firsts({std::max(rect_.x0 - 1, crop.x0), std::max(rect_.y0 - 1, crop.y0),
-                            std::min(rect_.x1 + 1, crop.x1), std::min(rect_.y1 + 1, crop.y1)},
-                           Color(0));
+    PixelMap<Color> firsts(
+        {std::max(rect_.x0 - 1, 0), std::max(rect_.y0 - 1, 0), std::min(rect_.x1 + 1, settings_.width_px),
+         std::min(rect_.y1 + 1, settings_.height_px)},
+        Color(0));
     for_each_block(firsts.rect(), [&](const Pixel& block, const PixelRect& part) {
       OfPacket<Pixel> inside, around;
       for_each_pixel(part, [&](const Pixel& p) { (contains(rect_, p) ? inside : around).push_back(p); });

@@ -55,25 +55,31 @@ struct Setup {
   }
 };
 
-/// Bytes on the net between two moments, from the cluster's samples, linear between them.
-double bytes_between(const fs::path& samples, double begin, double end) {
-  std::ifstream file(samples);
-  std::string line;
-  std::getline(file, line);
-  std::vector<std::array<double, 2>> points;  // time, bytes
-  while (std::getline(file, line))
-    if (const size_t comma = line.find(','); comma != std::string::npos)
-      points.push_back({std::atof(line.c_str()), std::atof(line.c_str() + comma + 1)});
-  const auto at = [&points](double time) {
-    for (size_t i = 1; i < points.size(); ++i) {
-      const auto [t0, b0] = points[i - 1];
-      const auto [t1, b1] = points[i];
+/// Bytes on the net over Unix time, as the cluster sampled them.
+class Samples {
+ public:
+  explicit Samples(const fs::path& path) {
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    while (std::getline(file, line))
+      if (const size_t comma = line.find(','); comma != std::string::npos)
+        points_.push_back({std::atof(line.c_str()), std::atof(line.c_str() + comma + 1)});
+  }
+  double bytes_between(double begin, double end) const { return bytes_at(end) - bytes_at(begin); }
+
+ private:
+  /// Linear between samples.
+  double bytes_at(double time) const {
+    for (size_t i = 1; i < points_.size(); ++i) {
+      const auto [t0, b0] = points_[i - 1];
+      const auto [t1, b1] = points_[i];
       if (time <= t1 && t1 > t0) return b0 + std::clamp((time - t0) / (t1 - t0), 0.0, 1.0) * (b1 - b0);
     }
-    return points.empty() ? 0 : points.back()[1];
-  };
-  return at(end) - at(begin);
-}
+    return points_.empty() ? 0 : points_.back()[1];
+  }
+  std::vector<std::array<double, 2>> points_;  ///< time, bytes
+};
 
 class NetLoad {
  public:
@@ -132,15 +138,18 @@ class NetLoad {
 
   /// Runs a render across the virtual cluster.
   nlohmann::json render_on_cluster(const Setup& setup, const std::string& name, int nodes, double rate,
-                                   const std::string& scene, const std::string& arguments) const {
+                                   const std::string& scene, const std::string& arguments,
+                                   const std::string& net = "bus",
+                                   const std::string& environment = "") const {
     const fs::path runs = fs::absolute(folder_ / "runs");
     const std::string stats = (runs / (name + ".json")).string();
     const std::string command = fmt::format(
-        "{} --nodes {} --rate {:.0f}bit --counters {} --samples {} -- {} render {} -o {} --stats {} "
+        "{}{} --nodes {} --rate {:.0f}bit --net {} --counters {} --samples {} -- {} render {} -o {} --stats "
+        "{} "
         "--cost-map {} "
         "--size {}x{} --node-timeout 120 -q {} >/dev/null",
-        quoted(options_.cluster), nodes, rate, quoted((runs / (name + ".links.json")).string()),
-        quoted((runs / (name + ".samples.csv")).string()),
+        environment, quoted(options_.cluster), nodes, rate, net,
+        quoted((runs / (name + ".links.json")).string()), quoted((runs / (name + ".samples.csv")).string()),
         quoted(fs::read_symlink("/proc/self/exe").string()), quoted(scene),
         quoted((runs / (name + ".png")).string()), quoted(stats),
         quoted((runs / (name + ".map.json")).string()), setup.width_px, setup.width_px * 3 / 4, arguments);
@@ -152,27 +161,50 @@ class NetLoad {
     return read_json(stats);
   }
 
-  /// Ten megabytes to one node, and to two: a copy each on a shared net.
-  void measure_loading() {
-    const double bytes = 10e6 * std::min(1.0, double(setup_.width_px) / kWidth_px);
-    const auto spheres = static_cast<int>(bytes / 133);
-    const std::string scene = fs::absolute(folder_ / "runs" / "load.nff").string();
+  /// A scene whose block has about so many bytes: spheres, with their part of the hierarchy.
+  std::string write_heavy_scene(const std::string& name, double bytes) const {
+    constexpr double kBytesPerSphere = 97;
+    const std::string path = fs::absolute(folder_ / "runs" / (name + ".nff")).string();
     std::string text =
         "v\nfrom 0 0 9\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 64 48\nb 0 0 0\nl 5 5 5\n"
         "f 0.5 0.5 0.5 1 0 0 0 1\n";
-    for (int i = 0; i < spheres; ++i)
+    for (int i = 0; i < static_cast<int>(bytes / kBytesPerSphere); ++i)
       text += fmt::format("s {} {} {} 0.01\n", i % 100 * 0.05 - 2.5, i / 100 % 100 * 0.05 - 2.5,
                           -(i / 10000) * 0.1);
-    write_text_file(scene, text);
-    for (const int nodes : {1, 2}) {
-      say(fmt::format("loading {} nodes", nodes));
+    write_text_file(path, text);
+    return path;
+  }
+
+  /// Ten megabytes to one node, and to two; and one megabyte to eight, by several ways. All at 8 Mbit/s.
+  void measure_loading() {
+    const double share = std::min(1.0, double(setup_.width_px) / kWidth_px);
+    const std::string large = write_heavy_scene("load", 10e6 * share),
+                      small = write_heavy_scene("load-small", 1e6 * share);
+    struct Case {
+      int nodes;
+      const std::string* scene;
+      const char *net, *way;
+      int algorithm;  ///< of Open MPI's broadcast; 0: its own choice
+    };
+    for (const Case& c :
+         {Case{1, &large, "bus", "as Open MPI likes", 0}, Case{2, &large, "bus", "as Open MPI likes", 0},
+          Case{8, &small, "bus", "one after the other", 1}, Case{8, &small, "bus", "binomial tree", 6},
+          Case{8, &small, "switch", "one after the other", 1}, Case{8, &small, "switch", "binomial tree", 6},
+          Case{8, &small, "switch", "chain", 3}}) {
+      say(fmt::format("loading {} nodes, {}, {}", c.nodes, c.net, c.way));
+      const std::string environment =
+          c.algorithm == 0
+              ? ""
+              : fmt::format(
+                    "OMPI_MCA_coll_tuned_use_dynamic_rules=1 OMPI_MCA_coll_tuned_bcast_algorithm={} "
+                    "OMPI_MCA_coll_tuned_bcast_algorithm_segmentsize=8192 ",
+                    c.algorithm);
       const nlohmann::json stats =
-          render_on_cluster(setup_, fmt::format("load-{}", nodes), nodes, 8e6, scene, "--crop 0,8,0,8");
-      LoadRun run;
-      run.nodes = nodes;
-      run.bytes = stats.at("traffic").at(name_of(Command::load_data)).at("bytes");
-      run.seconds = stats.at("time_s").at("broadcast");
-      page_.loads.push_back(run);
+          render_on_cluster(setup_, fmt::format("load-{}-{}-{}", c.nodes, c.net, c.algorithm), c.nodes, 8e6,
+                            *c.scene, "--crop 0,8,0,8", c.net, environment);
+      page_.loads.push_back({c.nodes, c.net, c.way,
+                             stats.at("traffic").at(name_of(Command::load_data)).at("bytes"),
+                             stats.at("time_s").at("broadcast")});
     }
   }
 
@@ -217,8 +249,8 @@ class NetLoad {
       }
       run.metered_bytes_per_pixel = metered / setup.pixels;
       const double began = stats.at("time_s").at("trace_began_unix");
-      const double link_bytes =
-          bytes_between(folder_ / "runs" / (name + ".samples.csv"), began, began + run.frame_s);
+      const Samples samples(folder_ / "runs" / (name + ".samples.csv"));
+      const double link_bytes = samples.bytes_between(began, began + run.frame_s);
       run.link_bytes_per_pixel = link_bytes / setup.pixels;
       run.net_use = 8 * link_bytes / (rate * run.frame_s);
       double busy = 0;
@@ -249,6 +281,12 @@ class NetLoad {
       const double packets = simulate(s).bytes - plain;
       s.message_bytes = std::max(0.0, (link_bytes - plain) / packets);
       run.simulated_s = simulate(s).total_s;
+      constexpr double kStep_s = 0.2;
+      for (double t = -4 * kStep_s; t < run.frame_s + 4 * kStep_s; t += kStep_s)
+        run.use_over_time.push_back(8 * samples.bytes_between(began + t, began + t + kStep_s) /
+                                    (rate * kStep_s));
+      run.use_begin_s = -4 * kStep_s;
+      run.use_step_s = kStep_s;
       page_.runs.push_back(run);
     }
   }

@@ -154,8 +154,17 @@ plot "knee.dat" index 0 using 1:2 with points pt 7 lc 1 title "pixel wire, measu
      "" index 0 using 1:3 with lines lc 1 title "model, bytes on the links", \
      "" index 1 using 1:2 with points pt 5 lc 2 title "block wire on a third of the rate, measured", \
      "" index 1 using 1:3 with lines lc 2 dt 2 title "model"
-set output "beyond.svg"
+set output "use.svg"
 unset logscale
+set xrange [*:*]
+set yrange [0:1.2]
+set xlabel "seconds since the first ray"
+set ylabel "share of the net's rate"
+set title "The net's use over time, pixel wire"
+plot "use.dat" index 0 using 1:2 with steps lc 1 title "8 processors", \
+     "" index 1 using 1:2 with steps lc 2 title "18 processors", \
+     "" index 2 using 1:2 with steps lc 3 title "32 processors"
+set output "beyond.svg"
 set logscale xy 10
 set xrange [10:20000]
 set yrange [10:20000]
@@ -175,6 +184,14 @@ void write_plots(const NetLoadPage& page, const Table& beyond, const fs::path& f
       knee += fmt::format("{} {} {}\n", r->processors, r->frame_s, r->link_model_s);
     knee += "\n\n";
   }
+  std::string use;
+  for (const NetRun* r : runs_of(page, "pixel")) {
+    if (r->processors != 8 && r->processors != 18 && r->processors != 32) continue;
+    for (size_t i = 0; i < r->use_over_time.size(); ++i)
+      use += fmt::format("{:.2f} {:.4f}\n", r->use_begin_s + static_cast<double>(i) * r->use_step_s,
+                         r->use_over_time[i]);
+    use += "\n\n";
+  }
   std::string curves;
   std::string wire;
   for (const auto& row : beyond.rows) {
@@ -184,6 +201,7 @@ void write_plots(const NetLoadPage& page, const Table& beyond, const fs::path& f
     curves += fmt::format("{} {}\n", std::get<double>(row[2]), std::get<double>(row[4]));
   }
   write_text_file((folder / "knee.dat").string(), knee);
+  write_text_file((folder / "use.dat").string(), use);
   write_text_file((folder / "beyond.dat").string(), curves);
   write_text_file((folder / "net_load.gp").string(), kPlots);
   const std::string command = fmt::format("cd '{}' && gnuplot net_load.gp", folder.string());
@@ -225,37 +243,35 @@ std::string page_text(const NetLoadPage& page, const Table& beyond, const Table&
   const SimulationResult simulated = simulate(sim);
   std::string text = fmt::format(
       "# The net: processors against load\n\nWritten by `rayfarm experiment net-load` (as root; {:.0f} "
-      "pixels of "
-      "{:.3g} s each on one emulated processor). `deploy/reproduce net` runs it again.\n\n"
-      "## The thesis's figures\n\n| | thesis | model | simulation |\n|---|---:|---:|---:|\n"
-      "| processors that fill the net | 4,444 | {:.0f} | |\n"
-      "| first frame | 9.92 s | {:.2f} s | {:.2f} s |\n| next frames | 9.4 s | {:.1f} s | {:.1f} s |\n"
-      "| speed-up, first frame | 4,228 | {:.0f} | {:.0f} |\n| speed-up, next frames | 4,444 | {:.0f} | "
-      "{:.0f} |\n\n"
-      "The simulation's processors wait for the net and hold no second pixel; `rayfarm simulate --processors "
-      "4444 "
-      "--load-bytes 441424`. They trace whole pixels, so some have a percent more to do than others.\n\n",
+      "pixels of {:.3g} s each on one emulated processor). `deploy/reproduce net` runs it again.\n\n## The "
+      "thesis's figures\n\n| | thesis | model | simulation |\n|---|---:|---:|---:|\n| processors that fill "
+      "the net | 4,444 | {:.0f} | |\n| first frame | 9.92 s | {:.2f} s | {:.2f} s |\n| next frames | 9.4 s | "
+      "{:.1f} s | {:.1f} s |\n| speed-up, first frame | 4,228 | {:.0f} | {:.0f} |\n| speed-up, next frames | "
+      "4,444 | {:.0f} | {:.0f} |\n\nThe simulation's processors wait for the net and hold no second pixel; "
+      "`rayfarm simulate --processors 4444 --load-bytes 441424`.\n\n",
       page.pixels, page.pixel_time_s, std::floor(saturating_processors(thesis, thesis.wires.front())),
       t.first_frame_s, simulated.first_frame_s, t.next_frame_s, simulated.frame_s,
       std::floor(t.first_speedup), simulated.busy_s / simulated.first_frame_s, t.next_speedup,
       simulated.busy_s / simulated.frame_s);
   text +=
-      "## Loading\n\nThe thesis broadcasts code and data once, to all. MPI sends a copy to every machine, "
-      "along a "
-      "tree; on a medium that all share the tree saves nothing, and every copy takes its time. Eight megabit "
-      "a "
-      "second carry a megabyte.\n\n| nodes | bytes | seconds | of what a copy each takes "
-      "|\n|---:|---:|---:|---:|\n";
+      "## Loading\n\nThe thesis broadcasts code and data once, to all, in the time of one copy. MPI sends a "
+      "copy to "
+      "every machine, by a way that Open MPI chooses or `OMPI_MCA_coll_tuned_bcast_algorithm` sets: from the "
+      "host to one "
+      "node after the other, along a tree, or along a chain. On a medium that all share no way saves "
+      "anything, and "
+      "every copy takes its time; through a switch copies travel at once. Eight megabit a second carry a "
+      "megabyte.\n\n"
+      "| nodes | net | way | bytes | seconds | copies' worth of time |\n|---:|---|---|---:|---:|---:|\n";
   for (const LoadRun& r : page.loads)
-    text += fmt::format("| {} | {:.0f} | {:.2f} | {:.3f} |\n", r.nodes, r.bytes, r.seconds,
-                        r.seconds / (r.nodes * r.bytes * 1e-6));
+    text += fmt::format("| {} | {} | {} | {:.0f} | {:.2f} | {:.2f} |\n", r.nodes, r.net, r.way, r.bytes,
+                        r.seconds, r.seconds / (r.bytes * 1e-6));
   text +=
-      "\n## Where the net is full\n\nOne shared half-duplex medium. For the pixel and the block wire "
-      "its rate is such that by the model 12 processors fill it. `model` takes the wire's own bytes (9, 3, "
-      "or as compressed), `link "
-      "model` those that the links counted: with headers, acknowledgements and control messages.\n\n"
-      "![knee](knee.svg)\n\n| wire | knee, measured | model | link model | measured / link model |\n"
-      "|---|---:|---:|---:|---:|\n";
+      "\n## Where the net is full\n\nOne shared half-duplex medium. For the pixel and the block wire its "
+      "rate is such that by the model 12 processors fill it. `model` takes the wire's own bytes (9, 3, or as "
+      "compressed), `link model` those that the links counted: with headers, acknowledgements and control "
+      "messages.\n\n![knee](knee.svg)\n\n| wire | knee, measured | model | link model | measured / link "
+      "model |\n|---|---:|---:|---:|---:|\n";
   for (const char* wire : {"pixel", "block"}) {
     const Knee knee = find_knee(page, wire);
     text += fmt::format("| {} | {:.1f} | {:.1f} | {:.1f} | {:.3f} |\n", wire, knee.measured, knee.model,
@@ -265,27 +281,26 @@ std::string page_text(const NetLoadPage& page, const Table& beyond, const Table&
                &equal = *runs_of(page, "compressed, large").back();
   text += fmt::format(
       "\nAt twice the resolution (`large`), on one net that by the model 12 processors with the pixel wire "
-      "fill: "
-      "the compressed wire moves {:.2f} bytes a pixel on the links where the pixel wire moves {:.2f}, so the "
-      "net "
-      "has room for {:.1f} times the processors. With 32 of them its frame takes {:.2f} s, the pixel wire's "
-      "{:.2f} s.\n\n",
+      "fill: the compressed wire moves {:.2f} bytes a pixel on the links where the pixel wire moves {:.2f}, "
+      "so the net has room for {:.1f} times the processors. With 32 of them its frame takes {:.2f} s, the "
+      "pixel wire's {:.2f} s.\n\n",
       equal.link_bytes_per_pixel, pixel.link_bytes_per_pixel,
       pixel.link_bytes_per_pixel / equal.link_bytes_per_pixel, equal.frame_s, pixel.frame_s);
   text += markdown(runs_table(page));
   double worst = 0;
   for (const NetRun& r : page.runs) worst = std::max(worst, std::abs(r.simulated_s / r.frame_s - 1));
   text += fmt::format(
-      "\nThe simulator is driven by each run's own cost map; its largest error in a frame's time is "
-      "{:.1f} %.\n\n## Balance\n\nEight emulated processors without a net. Efficiency is useful work "
-      "over processors × time (a processor at half speed counts half). Idle nodes of the farm help with what "
-      "another has held for a second, which the simulator's don't: where N subpolygons meet a hard "
-      "corner.\n\n",
+      "\n![the net's use over time](use.svg)\n\nThe simulator is driven by each run's own cost map; its "
+      "largest error in a frame's time is {:.1f} %.\n\n## Balance\n\nEight emulated processors without a "
+      "net. Efficiency is useful work over processors × time (a processor at half speed counts half). Idle "
+      "nodes of the farm help with what another has held for a second, which the simulator's don't: where N "
+      "subpolygons meet a hard corner.\n\n",
       100 * worst);
   text += markdown(balance_table(page));
   text +=
-      "\n## Beyond\n\nSimulated. Processors may hold one message while they trace the "
-      "next.\n\n![beyond](beyond.svg)\n\n" +
+      "\n## Beyond\n\nSimulated: four frames with rotation for 1985, one for today. Processors may hold one "
+      "message "
+      "while they trace the next.\n\n![beyond](beyond.svg)\n\n" +
       markdown(beyond) + "\nWhat the thesis leaves to further work, with its numbers:\n\n" +
       markdown(further);
   return text;

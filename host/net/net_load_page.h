@@ -19,10 +19,14 @@ struct NetRun {
   double model_s = 0;       ///< Equation 4.6 with the wire's payload
   double link_model_s = 0;  ///< with the bytes on the links
   double simulated_s = 0;
+  /// Share of the net's rate, step by step, from so long before the frame's first ray on.
+  std::vector<double> use_over_time;
+  double use_begin_s = 0, use_step_s = 0;
 };
 
 struct LoadRun {
   int nodes = 1;
+  std::string net, way;
   double bytes = 0, seconds = 0;
 };
 

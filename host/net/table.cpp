@@ -17,8 +17,14 @@ std::string text_of(const TableCell& cell) {
   return fmt::format("{:.4g}", value);
 }
 
-std::string exact(const TableCell& cell) {
-  if (const auto* word = std::get_if<std::string>(&cell)) return *word;
+/// A CSV field: words with commas stand in quotes (RFC 4180).
+std::string field(const TableCell& cell) {
+  if (const auto* word = std::get_if<std::string>(&cell)) {
+    if (word->find_first_of(",\"\n") == std::string::npos) return *word;
+    std::string quoted = "\"";
+    for (const char c : *word) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + "\"";
+  }
   return fmt::format("{}", std::get<double>(cell));
 }
 
@@ -71,7 +77,7 @@ std::string format_tables(const std::vector<Table>& tables, TableFormat format) 
     for (size_t i = 0; i < table.columns.size(); ++i) out += (i > 0 ? "," : "") + table.columns[i];
     out += "\n";
     for (const auto& row : table.rows) {
-      for (size_t i = 0; i < row.size(); ++i) out += (i > 0 ? "," : "") + exact(row[i]);
+      for (size_t i = 0; i < row.size(); ++i) out += (i > 0 ? "," : "") + field(row[i]);
       out += "\n";
     }
   }

@@ -169,17 +169,12 @@ int run_working_set_experiment(const ExperimentOptions& options) {
   fmt::print("{}", format_tables({table}, TableFormat::text));
   std::string page =
       "# Working sets: Table 4.12\n\nWritten by `rayfarm experiment working-sets`. Active memory is the "
-      "pages of "
-      "the scene's block that were touched while 250 eye rays were traced, Whitted's model, 256 × 256 "
-      "pixels: ten "
-      "of the thesis's seconds; new pages are those touched in 1,500 rays and not in the 1,500 before. The "
-      "thesis "
-      "counted all of its process's pages, 73,281 of 654,404 bytes for Image 1 (11 %), 66,332 of 417,716 for "
-      "Image "
-      "2 (16 %), 101,918 of 818,148 for Image 3 (12 %), and 10K of new pages in 60 s. The first three scenes "
-      "here fill "
-      "a dozen pages or less, so that every ray meets most of them; the rainbow's 390,625 drops fill "
-      "44,000.\n\n";
+      "pages of the scene's block that were touched while 250 eye rays were traced, Whitted's model, 256 × "
+      "256 pixels: ten of the thesis's seconds; new pages are those touched in 1,500 rays and not in the "
+      "1,500 before. The thesis counted all of its process's pages, 73,281 of 654,404 bytes for Image 1 (11 "
+      "%), 66,332 of 417,716 for Image 2 (16 %), 101,918 of 818,148 for Image 3 (12 %), and 10K of new pages "
+      "in 60 s. The first three scenes here fill a dozen pages or less, so that every ray meets most of "
+      "them; the rainbow's 390,625 drops fill 44,000.\n\n";
   page += "| scene | order | block | active | share | new in 1,500 rays |\n|---|---|---:|---:|---:|---:|\n";
   for (const auto& row : table.rows)
     page += fmt::format("| {} | {} | {:.0f} | {:.0f} | {:.1f} % | {:.0f} |\n", std::get<std::string>(row[0]),

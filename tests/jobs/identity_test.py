@@ -1,5 +1,6 @@
 """The image is the same to the byte whoever renders it, however the work is cut and sent."""
 import json
+import subprocess
 
 from rayfarm_job import JobTest, SCENES, main
 
@@ -37,19 +38,23 @@ class Identity(JobTest):
         self.hashes(SCENES / "primitives.yaml", *SMALL, "--pixel-format", "float", ranks=(1, 3), name="out.exr", variants=[()])
 
     def test_a_crop_is_a_part_of_the_whole(self):
-        whole, part = self.folder / "whole.png", self.folder / "part.png"
-        self.render(1, SCENES / "primitives.yaml", *SMALL, name=whole.name)
-        stats = self.render(3, SCENES / "primitives.yaml", *SMALL, "--crop", "40,101,30,71", name=part.name)
-        self.assertEqual((stats["image"]["width"], stats["image"]["height"]), (61, 41))
-        self.assertEqual(self.run_alone("compare", whole, part).code, 1)  # sizes differ
-        self.render(1, SCENES / "primitives.yaml", *SMALL, "--crop", "40,101,30,71", name="alone.png")
-        self.assertEqual(self.run_alone("compare", part, self.folder / "alone.png").code, 0)
+        whole, part = self.folder / "whole.exr", self.folder / "part.exr"
+        for arguments in ([], ["--samples", "9", "--adaptive", "0.05"]):
+            self.render(1, SCENES / "primitives.yaml", *SMALL, *arguments, name=whole.name)
+            stats = self.render(3, SCENES / "primitives.yaml", *SMALL, *arguments, "--crop", "40,101,30,71", name=part.name)
+            self.assertEqual((stats["image"]["width"], stats["image"]["height"]), (61, 41))
+            self.assertEqual(self.run_alone("compare", whole, part).code, 1)  # sizes differ
+            # An EXR's pixels keep their place in the picture.
+            cut = subprocess.run(["oiiotool", whole, "--cut", "61x41+40+30", part, "--cut", "61x41+40+30", "--diff"],
+                                 capture_output=True, text=True, timeout=60)
+            self.assertIn("PASS", cut.stdout, cut.stdout + cut.stderr)
 
     def test_every_lighting_model(self):
         policies = [("--assign", policy) for policy in ("on-demand", "interleaved")]
         for scene, *arguments in (("materials", "--lighting", "path"), ("diffuse_room", "--lighting", "thesis", "--diffuse-rays", "3"),
                                   ("prism", "--lighting", "path", "--colour", "meyer4"), ("textures", "--filter", "mitchell"),
-                                  ("animation", "--shutter", "0.5", "--frames", "3"), ("highlights", "--lighting", "torrance-sparrow")):
+                                  ("animation", "--shutter", "0.5", "--frames", "3"),
+                                  ("sky", "--lighting", "path"), ("marina", "--adaptive", "0.05"), ("highlights", "--lighting", "torrance-sparrow")):
             self.hashes(SCENES / f"{scene}.yaml", "--size", "61x47", "--samples", "3", *arguments, ranks=(1, 3, 8), name="out.exr",
                         variants=policies)
 

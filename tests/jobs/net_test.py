@@ -81,6 +81,18 @@ class CommandLine(JobTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("measured", [row["wire"] for row in json.loads(result.stdout)["limits"]])
 
+    def test_working_sets(self):
+        result = run(RAYFARM, "experiment", "working-sets", "--scenes", SCENES, "-o", self.folder / "sets")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.folder / "sets/working_sets.csv") as file:
+            rows = list(csv.DictReader(file.read().splitlines()[1:]))
+        for row in rows:
+            self.assertLessEqual(float(row["active_bytes"]), float(row["block_bytes"]))
+        # Of a large scene neighbouring rays touch little, and shuffled ones more.
+        large = [float(row["active_share"]) for row in rows if row["scene"] == "rainbow.yaml"]
+        self.assertLess(large[0], 0.05)
+        self.assertGreater(large[3], 1.2 * large[0])
+
     def test_bad_input(self):
         bad = self.folder / "bad.json"
         bad.write_text("{}")
