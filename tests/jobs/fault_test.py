@@ -9,8 +9,10 @@ import time
 from rayfarm_job import ENVIRONMENT, Job, JobTest, RAYFARM, SCENES, main
 
 SCENE = SCENES / "primitives.yaml"
-# A few seconds of work for three nodes on two cores: enough to be hurt in the middle of it.
+# Work for three nodes, and processors so slow that it takes two seconds and more on any machine: enough to be hurt in
+# the middle of it.
 HEAVY = ["--size", "480x360", "--samples", "16"]
+SLOW = ["--processor-time", "0.0000007"]
 
 
 class LostNode(JobTest):
@@ -18,7 +20,7 @@ class LostNode(JobTest):
         reference = self.render(1, SCENE, *HEAVY, *arguments)["image"]["sha256_pixels"]
         stats = self.folder / "hurt.json"
         job = Job(4, "render", SCENE, "-o", self.folder / "hurt.png", "--stats", stats, "--progress", "none",
-                  "--node-timeout", "3", "-v", *HEAVY, *arguments)
+                  "--node-timeout", "3", "-v", *HEAVY, *SLOW, *arguments)
         job.wait_until_it_says("tracing begins")
         time.sleep(delay)
         job.hurt(rank, number)
