@@ -1,10 +1,11 @@
 # gnuplot net_load.gp
 set terminal svg size 760,420 font "sans,12" background "white"
-set key left bottom
+set key right top
 set grid
 set output "knee.svg"
 set logscale xy 2
 set xrange [3.5:36]
+set yrange [3:20]
 set xlabel "processors"
 set ylabel "frame, seconds"
 set title "A frame on the virtual cluster, on nets that 12 processors fill"
@@ -12,8 +13,17 @@ plot "knee.dat" index 0 using 1:2 with points pt 7 lc 1 title "pixel wire, measu
      "" index 0 using 1:3 with lines lc 1 title "model, bytes on the links", \
      "" index 1 using 1:2 with points pt 5 lc 2 title "block wire on a third of the rate, measured", \
      "" index 1 using 1:3 with lines lc 2 dt 2 title "model"
-set output "beyond.svg"
+set output "use.svg"
 unset logscale
+set xrange [*:*]
+set yrange [0:1.2]
+set xlabel "seconds since the first ray"
+set ylabel "share of the net's rate"
+set title "The net's use over time, pixel wire"
+plot "use.dat" index 0 using 1:2 with steps lc 1 title "8 processors", \
+     "" index 1 using 1:2 with steps lc 2 title "18 processors", \
+     "" index 2 using 1:2 with steps lc 3 title "32 processors"
+set output "beyond.svg"
 set logscale xy 10
 set xrange [10:20000]
 set yrange [10:20000]
