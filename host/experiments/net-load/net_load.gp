@@ -16,7 +16,7 @@ plot "knee.dat" index 0 using 1:2 with points pt 7 lc 1 title "pixel wire, measu
 set output "use.svg"
 unset logscale
 set xrange [*:*]
-set yrange [0:1.2]
+set yrange [0:1.6]
 set xlabel "seconds since the first ray"
 set ylabel "share of the net's rate"
 set title "The net's use over time, pixel wire"
@@ -28,6 +28,7 @@ set logscale xy 10
 set xrange [10:20000]
 set yrange [10:20000]
 set key left top
+set xlabel "processors"
 set ylabel "speed-up"
 set title "Simulated, with the numbers of 1985: 0.04 s a pixel, 8 Mbit/s, 1024 x 1024"
 plot "beyond.dat" index 0 using 1:2 with linespoints lc 1 title "pixel wire, 9 bytes", \
