@@ -86,9 +86,8 @@ double texel_pdf(const Scene& scene, size_t x, size_t y, double sine) {
 
 }  // namespace
 
-Color eval_background(const Scene& scene, const Vec3& direction) {
+Color eval_environment(const Scene& scene, const Vec3& direction) {
   const SceneHeader& head = scene.head();
-  if (head.environment == kNone) return head.background;
   const Texture& image = image_of(scene);
   Vec2 uv = parameters_of(scene, direction);
   // Beyond the poles' middle lies no other row.
@@ -135,7 +134,7 @@ LightSample sample_environment(const Scene& scene, const Vec2& u) {
   result.to_light = {sine * around.cosine, cosine, sine * around.sine};
   result.pdf = texel_pdf(scene, x, y, sine);
   if (!(result.pdf > 0)) return {};
-  result.incident = eval_background(scene, result.to_light) / result.pdf;
+  result.incident = eval_environment(scene, result.to_light) / result.pdf;
   return result;
 }
 

@@ -5,8 +5,13 @@
 
 namespace rayfarm {
 
-/// Radiance from a direction (unit).
-Color eval_background(const Scene& scene, const Vec3& direction);
+/// The image's radiance from a direction (unit).
+Color eval_environment(const Scene& scene, const Vec3& direction);
+
+/// Radiance from a direction (unit), image or not.
+inline Color eval_background(const Scene& scene, const Vec3& direction) {
+  return scene.head().environment == kNone ? scene.head().background : eval_environment(scene, direction);
+}
 
 /// The image's texels by importance: for each row the share of the rows up to it, then for each texel the
 /// share of its row's texels up to it. Texels count by their luminance and the solid angle that they fill.

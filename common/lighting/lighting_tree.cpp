@@ -40,7 +40,8 @@ class LightingTree {
         settings_(context.tables.settings),
         counts_(counts),
         has_secondary_(settings_.lighting == LightingModel::whitted ||
-                       settings_.lighting == LightingModel::thesis) {}
+                       settings_.lighting == LightingModel::thesis),
+        is_thesis_(settings_.lighting == LightingModel::thesis) {}
 
   /// Sets `colors`, one per ray.
   void trace(std::span<const Ray> rays, std::span<const Branch> branches, uint32_t depth, Color* colors) {
@@ -49,7 +50,7 @@ class LightingTree {
     closest_hits(scene_, pose_, rays, hits.data());
     OfPacket<Shaded> shaded;
     for (size_t i = 0; i < rays.size(); ++i) {
-      if (branches[i].as_diffuse) *branches[i].as_diffuse = Color(0);
+      if (is_thesis_ && branches[i].as_diffuse) *branches[i].as_diffuse = Color(0);
       if (!hits[i].is_hit()) {
         colors[i] = eval_background(scene_, rays[i].direction);
         continue;
@@ -60,9 +61,8 @@ class LightingTree {
       const Color color = is_textured(material)
                               ? textured(scene_, pose_, rays[i], hits[i], material, width, surface).color
                               : material.color;
-      const bool is_thesis = settings_.lighting == LightingModel::thesis;
       // Rays stand in for ambient light in the thesis's model.
-      const Color ambient = is_thesis ? Color(0) : material.ambient * scene_.head().ambient;
+      const Color ambient = is_thesis_ ? Color(0) : material.ambient * scene_.head().ambient;
       Shaded& s = shaded.push_back(
           {surface, &material, color, rays[i].direction, branches[i], &colors[i], ambient, Color(0)});
       s.branch.width = width;
@@ -71,7 +71,7 @@ class LightingTree {
     }
     if (!shaded.empty()) add_direct_light(shaded.span());
     if (has_secondary_ && depth < settings_.max_depth) add_secondary_light(shaded.span(), depth);
-    if (settings_.lighting != LightingModel::thesis) return;
+    if (!is_thesis_) return;
     for (size_t i = 0; i < rays.size(); ++i) {
       if (branches[i].is_diffuse) colors[i] = weakened(colors[i], hits[i]);
       if (branches[i].as_diffuse)
@@ -160,7 +160,7 @@ class LightingTree {
 
   /// A reflected ray shows a luminous body itself; a highlight would count it again.
   bool is_mirrored_in(const Material& material, const Light& light) const {
-    return has_secondary_ && material.reflect > 0 && has_extent(light);
+    return has_extent(light) && has_secondary_ && material.reflect > 0;
   }
 
   Vec2 light_point(const Shaded& s, uint32_t light) const {
@@ -212,7 +212,7 @@ class LightingTree {
     Branches transmitted, reflected;
     for (const Shaded& s : shaded) {
       const Material& material = *s.material;
-      const bool has_diffuse = settings_.lighting == LightingModel::thesis && material.diffuse > 0;
+      const bool has_diffuse = is_thesis_ && material.diffuse > 0;
       const bool has_mirror = material.reflect > 0 || material.transmit > 0;
       if (!has_mirror && !has_diffuse) continue;
       const Interaction at = interaction_at(s.surface, s.direction, material);
@@ -339,7 +339,7 @@ class LightingTree {
   const Pose& pose_;
   const RenderSettings& settings_;
   RayCounts& counts_;
-  bool has_secondary_;
+  bool has_secondary_, is_thesis_;
 };
 
 }  // namespace

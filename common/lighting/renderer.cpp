@@ -95,12 +95,15 @@ class Renderer::Rendering {
   void trace(const Moment& moment, std::span<const Ray> rays, std::span<const SampleId> ids,
              RayCounts& counts, Color* colors) {
     for (const ColouredScene& pass : passes_) {
-      std::array<Color, kMostPacketRays> channels;
+      const bool is_first = &pass == &passes_.front();
+      std::array<Color, kMostPacketRays> more;
+      Color* const channels = is_first ? colors : more.data();
       trace_eye_rays({pass.scene(), moment.pose, tables_, moment.camera.spread()}, rays, ids, counts,
-                     channels.data());
+                     channels);
+      if (pass.pass().is_rgb) break;
       for (size_t i = 0; i < rays.size(); ++i) {
-        const Color color = pass.pass().is_rgb ? channels[i] : pass.pass().rgb_from_channels * channels[i];
-        colors[i] = &pass == &passes_.front() ? color : colors[i] + color;
+        const Color color = pass.pass().rgb_from_channels * channels[i];
+        colors[i] = is_first ? color : colors[i] + color;
       }
     }
     rays_since_pulse_ += rays.size();

@@ -89,13 +89,6 @@ std::array<Vec3, 3> triangle_vertices(const Scene& scene, uint32_t block_lane) {
   return v;
 }
 
-Interaction interaction_at(const Surface& surface, const Vec3& ray_direction, const Material& material) {
-  Interaction at{-ray_direction, surface.shading_normal, surface.is_front,
-                 surface.is_front ? material.index : 1 / material.index};
-  if (!(glm::dot(at.to_viewer, at.normal) > 0)) at.normal = surface.geometric_normal;
-  return at;
-}
-
 Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit) {
   const InstancePose& place = pose.instances[hit.instance];
   Surface surface;

@@ -30,7 +30,13 @@ std::array<Vec3, 3> triangle_vertices(const Scene& scene, uint32_t block_lane);
 
 /// What a material is asked about. A shading normal that faces away, at a silhouette, has no mirror
 /// direction: the surface's own normal stands in for it.
-Interaction interaction_at(const Surface& surface, const Vec3& ray_direction, const Material& material);
+inline Interaction interaction_at(const Surface& surface, const Vec3& ray_direction,
+                                  const Material& material) {
+  Interaction at{-ray_direction, surface.shading_normal, surface.is_front,
+                 surface.is_front ? material.index : 1 / material.index};
+  if (!(glm::dot(at.to_viewer, at.normal) > 0)) at.normal = surface.geometric_normal;
+  return at;
+}
 
 Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit);
 

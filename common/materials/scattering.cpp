@@ -23,17 +23,6 @@ double total_luminance(const Lobes& lobes) {
 
 }  // namespace
 
-Vec3 mirrored(const Interaction& at) {
-  return normalized(2 * glm::dot(at.to_viewer, at.normal) * at.normal - at.to_viewer);
-}
-
-Vec3 refracted(const Interaction& at) {
-  const double cosine = glm::dot(at.to_viewer, at.normal), eta = 1 / at.index_ratio;
-  const double behind2 = 1 - eta * eta * (1 - cosine * cosine);
-  if (behind2 < 0) return Vec3(0);
-  return normalized((eta * cosine - std::sqrt(behind2)) * at.normal - eta * at.to_viewer);
-}
-
 Scattered eval(const Lobes& lobes, const Interaction& at, const Vec3& direction) {
   Scattered result;
   const double total = total_luminance(lobes);

@@ -58,8 +58,15 @@ struct ScatteredRay {
 ScatteredRay sample(const Lobes& lobes, const Interaction& at, const Vec2& direction, double lobe);
 
 /// The mirror direction, and the refracted one (zero on total internal reflection).
-Vec3 mirrored(const Interaction& at);
-Vec3 refracted(const Interaction& at);
+inline Vec3 mirrored(const Interaction& at) {
+  return normalized(2 * glm::dot(at.to_viewer, at.normal) * at.normal - at.to_viewer);
+}
+inline Vec3 refracted(const Interaction& at) {
+  const double cosine = glm::dot(at.to_viewer, at.normal), eta = 1 / at.index_ratio;
+  const double behind2 = 1 - eta * eta * (1 - cosine * cosine);
+  if (behind2 < 0) return Vec3(0);
+  return normalized((eta * cosine - std::sqrt(behind2)) * at.normal - eta * at.to_viewer);
+}
 
 /// Rec. 709.
 inline double luminance(const Color& c) {
