@@ -242,11 +242,9 @@ class NetLoad {
       run.frame_s = stats.at("time_s").at("trace");
       run.host_cpu_s = stats.at("time_s").at("host_cpu");
       const auto& traffic = stats.at("traffic");
-      double metered = traffic.at("control").at("bytes"), messages = traffic.at("control").at("messages");
-      for (const Command c : {Command::load_display_polygon, Command::return_result}) {
+      double metered = traffic.at("control").at("bytes");
+      for (const Command c : {Command::load_display_polygon, Command::return_result})
         metered += traffic.at(name_of(c)).at("bytes").get<double>();
-        messages += traffic.at(name_of(c)).at("messages").get<double>();
-      }
       run.metered_bytes_per_pixel = metered / setup.pixels;
       const double began = stats.at("time_s").at("trace_began_unix");
       const Samples samples(folder_ / "runs" / (name + ".samples.csv"));

@@ -291,8 +291,9 @@ std::string page_text(const NetLoadPage& page, const Table& beyond, const Table&
   double worst = 0;
   for (const NetRun& r : page.runs) worst = std::max(worst, std::abs(r.simulated_s / r.frame_s - 1));
   text += fmt::format(
-      "\n![the net's use over time](use.svg)\n\nThe simulator is driven by each run's own cost map; its "
-      "largest error in a frame's time is {:.1f} %.\n\n## Balance\n\nEight emulated processors without a "
+      "\n![the net's use over time](use.svg)\n\nThe simulator is driven by each run's own cost map, and by "
+      "the bytes that its links added to a packet; its largest error in a frame's time is {:.1f} %.\n\n## "
+      "Balance\n\nEight emulated processors without a "
       "net. Efficiency is useful work over processors × time (a processor at half speed counts half). Idle "
       "nodes of the farm help with what another has held for a second, which the simulator's don't: where N "
       "subpolygons meet a hard corner.\n\n",
