@@ -3,11 +3,10 @@
 #include <fmt/ranges.h>
 
 #include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "common/scene/input_error.h"
 #include "host/job_result.h"
+#include "host/json_file.h"
 #include "host/text_file.h"
 
 namespace rayfarm {
@@ -61,7 +60,7 @@ struct Outcome {
 };
 
 Outcome read_outcome(const std::filesystem::path& stats) {
-  const nlohmann::json json = nlohmann::json::parse(std::ifstream(stats));
+  const nlohmann::json json = read_json_file(stats.string());
   Outcome outcome;
   for (size_t kind = 0; kind < kRayKinds.size(); ++kind)
     outcome.rays[kind] = json.at("rays").at(kRayKinds[kind]);

@@ -20,7 +20,6 @@ constexpr double kPollInterval_s = 0.01;  ///< while tracing
 // Before load code has come the host may be building a large scene, but it says that it is alive all the
 // same.
 constexpr double kHostTimeoutWhileLoading_s = 8;
-constexpr size_t kPixelsPerTransfer = 455;  ///< 4,095 bytes: within MPI's eager limit
 
 /// The host said that the job is over.
 struct Finished {

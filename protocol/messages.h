@@ -73,6 +73,8 @@ struct SubpolygonReport {
 /// The thesis's form: 2 bytes of word, 2 × 2 of position, 3 of value; several may follow each other in one
 /// message.
 inline constexpr size_t kPixelBytes = 9;
+/// The most that one transfer holds: 4,095 bytes, within MPI's eager limit.
+inline constexpr size_t kPixelsPerTransfer = 455;
 struct PixelResult {
   uint16_t x = 0, y = 0;
   std::array<uint8_t, 3> rgb{};

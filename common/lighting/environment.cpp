@@ -7,6 +7,7 @@
 #include "common/materials/scattering.h"
 #include "common/math/portable_math.h"
 #include "common/math/spherical.h"
+#include "common/sampling/shares.h"
 
 namespace rayfarm {
 namespace {
@@ -47,26 +48,12 @@ double sine_of_row(const Texture& image, size_t y) {
   return portable_sin(pi * (static_cast<double>(y) + 0.5) / image.height_px);
 }
 
-/// Makes the numbers' sums of them, up to 1; all alike if they are all 0.
-void accumulate(std::span<double> values) {
-  double total = 0;
-  for (double& v : values) v = total += v;
-  for (size_t i = 0; i < values.size(); ++i)
-    values[i] =
-        total > 0 ? values[i] / total : static_cast<double>(i + 1) / static_cast<double>(values.size());
-}
-
 /// One of the shares' steps, and the rest of `u` within it.
 size_t choose(std::span<const double> shares, double& u) {
-  const auto found = static_cast<size_t>(std::upper_bound(shares.begin(), shares.end(), u) - shares.begin());
-  const size_t i = std::min(found, shares.size() - 1);
+  const size_t i = choose_by_share(shares, u);
   const double below = i > 0 ? shares[i - 1] : 0;
   u = shares[i] > below ? std::clamp((u - below) / (shares[i] - below), 0.0, 1.0) : 0.5;
   return i;
-}
-
-double share_of(std::span<const double> shares, size_t i) {
-  return shares[i] - (i > 0 ? shares[i - 1] : 0);
 }
 
 std::span<const double> rows_of(const Scene& scene) {
@@ -104,9 +91,9 @@ std::vector<double> make_environment_shares(const Texture& image, std::span<cons
     const std::span<double> row(&shares[h + y * w], w);
     for (size_t x = 0; x < w; ++x) row[x] = mean_luminance(image, texels, x, y);
     for (const double value : row) shares[y] += value * sine_of_row(image, y);
-    accumulate(row);
+    accumulate_shares(row);
   }
-  accumulate(std::span(shares).first(h));
+  accumulate_shares(std::span(shares).first(h));
   return shares;
 }
 

@@ -4,6 +4,7 @@
 
 #include "common/lighting/environment.h"
 #include "common/materials/scattering.h"
+#include "common/sampling/shares.h"
 
 namespace rayfarm {
 namespace {
@@ -42,23 +43,17 @@ double irradiance(const Scene& scene, const Light& light, double radius2) {
 
 std::vector<double> make_light_shares(const Scene& scene, double radius) {
   std::vector<double> shares;
-  double total = 0;
-  for (const Light& light : scene.lights)
-    shares.push_back(total += irradiance(scene, light, radius * radius));
-  for (size_t i = 0; i < shares.size(); ++i)
-    shares[i] =
-        total > 0 ? shares[i] / total : static_cast<double>(i + 1) / static_cast<double>(shares.size());
+  for (const Light& light : scene.lights) shares.push_back(irradiance(scene, light, radius * radius));
+  accumulate_shares(shares);
   return shares;
 }
 
 uint32_t choose_light(const Scene& scene, double u) {
-  const auto& shares = scene.light_shares;
-  const auto found = std::upper_bound(shares.begin(), shares.end(), u) - shares.begin();
-  return static_cast<uint32_t>(std::min<ptrdiff_t>(found, static_cast<ptrdiff_t>(shares.size()) - 1));
+  return static_cast<uint32_t>(choose_by_share(scene.light_shares, u));
 }
 
 double choice_probability(const Scene& scene, uint32_t light) {
-  return scene.light_shares[light] - (light > 0 ? scene.light_shares[light - 1] : 0.0);
+  return share_of(scene.light_shares, light);
 }
 
 }  // namespace rayfarm

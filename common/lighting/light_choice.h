@@ -14,4 +14,9 @@ std::vector<double> make_light_shares(const Scene& scene, double radius);
 uint32_t choose_light(const Scene& scene, double u);
 double choice_probability(const Scene& scene, uint32_t light);
 
+/// The source that the environment's image is, if there is one: the last before the luminaires.
+inline uint32_t environment_source(const Scene& scene) {
+  return scene.head().first_luminaire - 1;
+}
+
 }  // namespace rayfarm

@@ -32,8 +32,7 @@ class PathTracer {
         pose_(context.pose),
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
-        counts_(counts),
-        environment_(find_environment(context.scene)) {}
+        counts_(counts) {}
 
   /// `spread`: of the rays' cones.
   void trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors) {
@@ -79,9 +78,9 @@ class PathTracer {
   bool visit(Path& path, Ray& ray, const Hit& hit) {
     if (!hit.is_hit()) {
       Color light = path.throughput * eval_background(scene_, ray.direction);
-      if (path.pdf > 0 && environment_ != kNone)
-        light *= balance(path.pdf,
-                         choice_probability(scene_, environment_) * environment_pdf(scene_, ray.direction));
+      if (path.pdf > 0 && scene_.head().environment != kNone)
+        light *= balance(path.pdf, choice_probability(scene_, environment_source(scene_)) *
+                                       environment_pdf(scene_, ray.direction));
       *path.color += light;
       return false;
     }
@@ -176,13 +175,6 @@ class PathTracer {
         {path.color, path.throughput * scattered.value * sample.incident * (weight / probability)});
   }
 
-  static uint32_t find_environment(const Scene& scene) {
-    if (scene.head().environment == kNone) return kNone;
-    const auto found = std::find_if(scene.lights.begin(), scene.lights.end(),
-                                    [](const Light& light) { return light.kind == LightKind::environment; });
-    return found == scene.lights.end() ? kNone : static_cast<uint32_t>(found - scene.lights.begin());
-  }
-
   /// The power heuristic for one sample of each of two densities (Veach 1997, section 9.2.4).
   static double balance(double used, double other) {
     const double ratio = other / used;
@@ -209,7 +201,6 @@ class PathTracer {
   const RenderSettings& settings_;
   const Sampler& sampler_;
   RayCounts& counts_;
-  uint32_t environment_;  ///< the source that it is, or kNone
   OfPacket<Ray> rays_, shadow_rays_;
   OfPacket<Path> paths_;
   OfPacket<ShadowColor> shadow_colors_;

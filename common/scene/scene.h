@@ -161,7 +161,7 @@ struct Scene {
   std::span<const Texture> textures;
   std::span<const uint16_t> texels;  ///< of all images: three halves each
   std::span<const Material> materials;
-  std::span<const Light> lights;  ///< luminaires last, by (instance, primitive)
+  std::span<const Light> lights;  ///< luminaires last, by (instance, primitive); before them the environment
   std::span<const GoniometricDiagram> goniometric_diagrams;
   std::span<const double> goniometric_values;
   std::span<const double> environment_shares;  ///< by which texels of the environment are chosen

@@ -133,6 +133,8 @@ void check_indices(const Scene& s) {
     require(range_fits(t.first_texel, texels, s.texels.size() / 3), "an image's texels");
   }
   if (const uint32_t environment = s.head().environment; environment != kNone) {
+    const uint32_t end = s.head().first_luminaire;
+    require(end > 0 && s.lights[end - 1].kind == LightKind::environment, "the environment's place");
     require(environment < s.textures.size() && s.textures[environment].kind == TextureKind::image,
             "the environment");
     const Texture& image = s.textures[environment];

@@ -1,10 +1,7 @@
 #include "host/net/cost_map.h"
 
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <sstream>
-
 #include "common/scene/input_error.h"
+#include "host/json_file.h"
 #include "host/text_file.h"
 
 namespace rayfarm {
@@ -31,12 +28,8 @@ void write_cost_map(const std::string& path, const JobResult& result, const Subp
 }
 
 CostMap read_cost_map(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw IoError(fmt::format("{}: can't be read", path));
   try {
-    const nlohmann::json j = nlohmann::json::parse(text.str());
+    const nlohmann::json j = read_json_file(path);
     CostMap map;
     map.width_px = j.at("width");
     map.height_px = j.at("height");

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "common/scene/input_error.h"
 #include "host/exit_code.h"
+#include "host/json_file.h"
 #include "host/net/net_commands.h"
 #include "host/net/net_flags.h"
 #include "host/net/table.h"
@@ -17,10 +16,8 @@ namespace {
 
 /// Takes from the statistics of a real render what the model needs.
 void read_statistics(const std::string& path, NetModel& model) {
-  std::ifstream file(path);
-  if (!file) throw IoError(fmt::format("{}: can't be read", path));
   try {
-    const nlohmann::json j = nlohmann::json::parse(file);
+    const nlohmann::json j = read_json_file(path);
     const double frames = static_cast<double>(j.at("frames").size());
     model.pixels = j.at("image").at("width").get<double>() * j.at("image").at("height").get<double>();
     double busy_s = 0;

@@ -11,11 +11,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
-#include "common/scene/input_error.h"
 #include "host/exit_code.h"
 #include "host/job_result.h"
+#include "host/json_file.h"
 #include "host/net/cost_map.h"
 #include "host/net/net_load_page.h"
 #include "host/text_file.h"
@@ -29,7 +28,6 @@ namespace fs = std::filesystem;
 constexpr int kWidth_px = 512;
 constexpr double kKnee = 12;              ///< processors that are to fill the net
 constexpr double kMessagePayload = 1448;  ///< of TCP in an Ethernet frame
-constexpr int kPixelsPerTransfer = 455;   ///< of the farm's pixel wire
 
 /// Ends the experiment with a job's exit code.
 struct Stopped {
@@ -113,12 +111,6 @@ class NetLoad {
     return job;
   }
 
-  static nlohmann::json read_json(const std::string& path) {
-    std::ifstream file(path);
-    if (!file) throw IoError(fmt::format("{}: can't be read", path));
-    return nlohmann::json::parse(file);
-  }
-
   void render_here(const RenderOptions& job) const {
     if (const int code = render_(job); code != 0) throw Stopped{code};
   }
@@ -128,7 +120,7 @@ class NetLoad {
     RenderOptions job = this->job(scene_, "calibration", setup.width_px);
     job.local_nodes = 16;
     render_here(job);
-    const nlohmann::json stats = read_json(job.stats);
+    const nlohmann::json stats = read_json_file(job.stats);
     setup.pixels = double(setup.width_px) * (setup.width_px * 3 / 4);
     double rays = 0;
     for (const auto& [kind, count] : stats.at("rays").items()) rays += count.get<double>();
@@ -158,7 +150,7 @@ class NetLoad {
       fmt::print(stderr, "rayfarm: the run '{}' on the virtual cluster failed\n", name);
       throw Stopped{WIFEXITED(status) ? WEXITSTATUS(status) : kStopped};
     }
-    return read_json(stats);
+    return read_json_file(stats);
   }
 
   /// A scene whose block has about so many bytes: spheres, with their part of the hierarchy.
@@ -267,7 +259,7 @@ class NetLoad {
       s.processors = n;
       s.policy = is_on_demand ? AssignmentPolicy::on_demand : AssignmentPolicy::interleaved;
       s.form = form;
-      s.pixels_per_message = kPixelsPerTransfer;
+      s.pixels_per_message = static_cast<int>(kPixelsPerTransfer);
       s.messages_held = 0;
       s.least_side_px = 8;
       s.rate_bit_per_s = rate;
@@ -350,10 +342,10 @@ class NetLoad {
         return rays;
       };
       const double per_frame_s = c.frames > 1 ? kFrame_s / 4 : kFrame_s;
-      job.ray_time_s = per_frame_s * kNodes / rays_of(read_json(probe.stats));
+      job.ray_time_s = per_frame_s * kNodes / rays_of(read_json_file(probe.stats));
       if (c.has_slow_node) job.time_factors = {1, 1, 1, 1, 1, 1, 1, 2};
       render_here(job);
-      const nlohmann::json stats = read_json(job.stats);
+      const nlohmann::json stats = read_json_file(job.stats);
       BalanceRun run;
       run.name = c.name;
       run.seconds = stats.at("time_s").at("trace");

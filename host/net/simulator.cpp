@@ -183,13 +183,14 @@ class Simulator {
       const int index = s_.rotates ? static_cast<int>(sets_.size()) : 0;
       Sets sets;
       sets.begin.assign(processors_.size() + 1, 0);
+      std::vector<size_t> owners;
       for (int i = 0; i < grid_.count(); ++i)
-        ++sets.begin[static_cast<size_t>(interleaved_owner(grid_, s_.processors, index, i)) + 1];
+        owners.push_back(static_cast<size_t>(interleaved_owner(grid_, s_.processors, index, i)));
+      for (const size_t owner : owners) ++sets.begin[owner + 1];
       for (size_t p = 0; p < processors_.size(); ++p) sets.begin[p + 1] += sets.begin[p];
       std::vector<size_t> next = sets.begin;
       sets.subpolygons.resize(static_cast<size_t>(grid_.count()));
-      for (int i = 0; i < grid_.count(); ++i)
-        sets.subpolygons[next[static_cast<size_t>(interleaved_owner(grid_, s_.processors, index, i))]++] = i;
+      for (int i = 0; i < grid_.count(); ++i) sets.subpolygons[next[owners[static_cast<size_t>(i)]]++] = i;
       sets_.push_back(std::move(sets));
     }
     return sets_[static_cast<size_t>(frame)];

@@ -116,7 +116,7 @@ WorkingSet measure(std::span<const std::byte> block, const RenderSettings& setti
   return result;
 }
 
-/// The image as rectangles of a few rays, in three orders.
+/// The image as rectangles of a few rays, in several orders.
 std::vector<PixelRect> rows_upwards() {
   std::vector<PixelRect> order;
   for (int y = kSide_px - 1; y >= 0; --y)

@@ -1,0 +1,11 @@
+#include "host/json_file.h"
+
+#include "common/scene/scene_loaders.h"
+
+namespace rayfarm {
+
+nlohmann::json read_json_file(const std::string& path) {
+  return nlohmann::json::parse(read_text_file(path, limits::kFileBytes));
+}
+
+}  // namespace rayfarm
