@@ -281,9 +281,7 @@ class RenderCommand {
     const SceneDescription& scene = loaded_->description;
     result_.times.load_s = loaded_->load_s;
     result_.times.build_s = loaded_->build_s;
-    if (loaded_->compiled.degenerate_dropped > 0)
-      log_->info("{}: {} polygons without area are left out", options_.scene,
-                 loaded_->compiled.degenerate_dropped);
+    for (const std::string& note : loaded_->compiled.notes.lines()) log_->warn(note);
 
     FarmHostOptions farm_options;
     JobPlan& plan = farm_options.plan;

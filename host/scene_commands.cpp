@@ -15,6 +15,7 @@ namespace {
 /// What a render of the first frame would refuse: compile, and look through the camera.
 CompiledScene compile_and_look(const SceneDescription& scene) {
   CompiledScene compiled = compile(scene);
+  for (const std::string& note : compiled.notes.lines()) fmt::print(stderr, "rayfarm: {}\n", note);
   const int frame = scene.frames ? (*scene.frames)[0] : 0;
   try {
     make_camera(compiled.scene, frame, 4, 3);
@@ -51,10 +52,11 @@ int run_check(const std::string& path) {
   const SceneDescription scene = load_scene(path);
   const CompiledScene compiled = compile_and_look(scene);
   for (const std::string& file : scene.files) fmt::print("{}\n", file);
-  if (compiled.degenerate_dropped > 0)
-    fmt::print(stderr, "rayfarm: {}: note: {} polygons without area are left out\n", path,
-               compiled.degenerate_dropped);
-  fmt::print(stderr, "{}: no problems found\n", path);
+  const size_t warnings = compiled.notes.lines().size();
+  if (warnings == 0)
+    fmt::print(stderr, "{}: no problems found\n", path);
+  else
+    fmt::print(stderr, "{}: {} warning{}\n", path, warnings, warnings == 1 ? "" : "s");
   return kComplete;
 }
 

@@ -208,7 +208,11 @@ class Compiler {
     CompiledScene result;
     result.block = encode_scene(arrays_.view());
     result.scene = decode_scene(result.block.bytes());
-    result.degenerate_dropped = dropped_;
+    result.notes = description_.notes;
+    if (dropped_ > 0)
+      result.notes.add(
+          description_.source(),
+          fmt::format("{} polygons and triangles without area are left out: no ray can hit them", dropped_));
     return result;
   }
 

@@ -9,8 +9,8 @@ namespace rayfarm {
 
 struct CompiledScene {
   SceneBlock block;
-  Scene scene;                    ///< a view into the block
-  size_t degenerate_dropped = 0;  ///< polygons and triangles without area, which no ray can hit
+  Scene scene;  ///< a view into the block
+  Notes notes;  ///< of loading and compiling
 };
 
 /// Throws InputError for what only shows while compiling: a quadric that its planes don't bound, a view

@@ -30,7 +30,7 @@ std::string read_text_file(const std::string& path, uintmax_t max_bytes) {
   return text;
 }
 
-SceneDescription load_scene(const std::string& path) {
+SceneDescription load_scene(const std::string& path, const std::stop_token& stop) {
   const std::string extension = std::filesystem::path(path).extension().string();
   SceneDescription scene;
   if (extension == ".yaml" || extension == ".yml")
@@ -42,6 +42,7 @@ SceneDescription load_scene(const std::string& path) {
         fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff (an .obj mesh goes into a "
                     ".yaml scene: `- mesh: {{file: {}}}`)",
                     path, extension, std::filesystem::path(path).filename().string()));
+  throw_if_stopped(stop);
   validate(scene);
   return scene;
 }

@@ -12,7 +12,8 @@
 #include "common/lighting/light.h"
 #include "common/materials/material.h"
 #include "common/scene/animation.h"
-#include "common/scene/input_error.h"
+#include "common/scene/notes.h"
+#include "common/scene/stop.h"
 #include "common/textures/texture.h"
 
 namespace rayfarm {
@@ -139,12 +140,16 @@ struct SceneDescription {
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;
   std::optional<std::array<int, 2>> frames;  ///< first and last
+  Notes notes;                               ///< of loading
 
   SourcePlace source(const Place& p) const { return {files.at(p.file), p.line, p.column}; }
+  /// The scene as a whole, also if no file was read.
+  SourcePlace source() const { return {files.empty() ? "the scene" : files[0]}; }
 };
 
-/// Loads a scene by its extension (.yaml, .yml or .nff) and validates it: throws InputError or IoError.
-SceneDescription load_scene(const std::string& path);
+/// Loads a scene by its extension (.yaml, .yml or .nff) and validates it: throws InputError or IoError, and
+/// Stopped soon after `stop` is requested.
+SceneDescription load_scene(const std::string& path, const std::stop_token& stop = {});
 
 /// The checks that hold for every format: finite numbers, planar polygons, counts, cycles, instances.
 /// Throws InputError at the place of the first fault. Materials named nowhere else get index checks here too.
