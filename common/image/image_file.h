@@ -1,22 +1,10 @@
 #pragma once
 // Image files: OpenEXR and PNG. A file appears under its name only when it is whole: written beside it, read
 // back and compared, then renamed.
-#include <map>
-#include <string>
-#include <vector>
-
 #include "common/image/formats/image_formats.h"
-#include "common/scene/render_settings.h"
+#include "common/image/image.h"
 
 namespace rayfarm {
-
-/// A picture to write: the rendered rectangle of an image.
-struct Image {
-  int width_px = 0, height_px = 0;  ///< of the whole image (EXR: the display window)
-  PixelRect window;                 ///< what `pixels` hold (EXR: the data window)
-  PixelFormat format = PixelFormat::half_float;
-  std::vector<std::byte> pixels;  ///< window height × width, row-major, origin top left
-};
 
 /// The file name's extension in small letters, with its dot.
 std::string extension_of(const std::string& path);
@@ -30,6 +18,11 @@ PixelFormat natural_format(const std::string& path);
 /// with the attributes given. PNG: sRGB, 8 bits. Throws IoError; nothing is left behind then.
 void write_image(const std::string& path, const Image& image,
                  const std::map<std::string, std::string>& attributes);
+
+/// What an .exr or .png says of itself before its pixels, which are not read. Throws IoError.
+ImageInfo read_image_info(const std::string& path);
+/// Reads an .exr or .png to its end. Throws IoError if it is empty, cut off or damaged.
+void check_image_whole(const std::string& path);
 
 /// Reads any image as linear-or-not floats, height × width × 3, as the file holds them. Throws IoError.
 ReadImage read_image(const std::string& path);

@@ -2,12 +2,11 @@
 
 #include <png.h>
 
+#include <cerrno>
 #include <csetjmp>
-#include <cstdio>
 #include <cstring>
-#include <memory>
+#include <span>
 #include <stdexcept>
-#include <vector>
 
 namespace rayfarm {
 namespace {
@@ -17,56 +16,121 @@ namespace {
   *static_cast<std::string*>(png_get_error_ptr(png)) = message;
   png_longjmp(png, 1);
 }
+void ignore(png_structp, png_const_charp) {}
 
-struct Writer {
-  explicit Writer(std::string* message)
-      : png(png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_message_and_jump, nullptr)),
-        info(png ? png_create_info_struct(png) : nullptr) {}
-  ~Writer() { png_destroy_write_struct(&png, &info); }
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-  png_structp png;
-  png_infop info;
-};
-
-/// All that can jump, in a function without objects to destroy. False if it failed.
-bool write_all(const Writer& writer, FILE* file, png_uint_32 width, png_uint_32 height,
-               std::span<png_text> texts, png_bytepp rows) {
-  if (setjmp(png_jmpbuf(writer.png))) return false;
-  png_init_io(writer.png, file);
-  png_set_IHDR(writer.png, writer.info, width, height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB_gAMA_and_cHRM(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_set_text(writer.png, writer.info, texts.data(), static_cast<int>(texts.size()));
-  png_write_info(writer.png, writer.info);
-  png_write_image(writer.png, rows);
-  png_write_end(writer.png, nullptr);
-  return true;
+/// Calls `work`, which libpng may jump out of: nothing in it may need destruction.
+template <typename Work>
+void guarded(png_structp png, const std::string& message, Work work) {
+  if (setjmp(png_jmpbuf(png))) throw std::runtime_error(message);
+  work();
 }
 
-std::vector<std::byte> read_rgb(const std::string& path) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  std::vector<std::byte> rgb;
-  if (png_image_begin_read_from_file(&image, path.c_str())) {
-    image.format = PNG_FORMAT_RGB;
-    rgb.resize(PNG_IMAGE_SIZE(image));
-    png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr);
+class Writer {
+ public:
+  explicit Writer(std::FILE* file)
+      : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, &message_, keep_message_and_jump, ignore)),
+        info_(png_ ? png_create_info_struct(png_) : nullptr) {
+    if (!info_) throw std::bad_alloc();
+    png_init_io(png_, file);
   }
-  const std::string message = PNG_IMAGE_FAILED(image) ? image.message : "";
-  png_image_free(&image);
-  if (!message.empty()) throw std::runtime_error(message);
-  return rgb;
+  ~Writer() { png_destroy_write_struct(&png_, &info_); }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  void write_header(int width_px, int height_px, std::span<png_text> texts) {
+    guarded(png_, message_, [&] {
+      png_set_IHDR(png_, info_, static_cast<png_uint_32>(width_px), static_cast<png_uint_32>(height_px), 8,
+                   PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                   PNG_FILTER_TYPE_DEFAULT);
+      png_set_sRGB_gAMA_and_cHRM(png_, info_, PNG_sRGB_INTENT_PERCEPTUAL);
+      png_set_text(png_, info_, texts.data(), static_cast<int>(texts.size()));
+      png_write_info(png_, info_);
+    });
+  }
+  void write_row(std::span<const std::byte> rgb) {
+    guarded(png_, message_, [&] { png_write_row(png_, reinterpret_cast<png_const_bytep>(rgb.data())); });
+  }
+  void finish() {
+    guarded(png_, message_, [&] { png_write_end(png_, nullptr); });
+  }
+
+ private:
+  std::string message_;
+  png_structp png_;
+  png_infop info_;
+};
+
+class Reader {
+ public:
+  /// From the file's beginning to its pixels.
+  explicit Reader(std::FILE* file)
+      : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &message_, keep_message_and_jump, ignore)),
+        info_(png_ ? png_create_info_struct(png_) : nullptr) {
+    try {
+      if (!info_) throw std::bad_alloc();
+      if (fseeko(file, 0, SEEK_SET) != 0) throw std::runtime_error(std::strerror(errno));
+      png_init_io(png_, file);
+      guarded(png_, message_, [&] {
+        png_set_crc_action(png_, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+        png_set_benign_errors(png_, 0);
+        png_read_info(png_, info_);
+      });
+    } catch (...) {
+      destroy();
+      throw;
+    }
+  }
+  ~Reader() { destroy(); }
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  int width_px() const { return static_cast<int>(png_get_image_width(png_, info_)); }
+  int height_px() const { return static_cast<int>(png_get_image_height(png_, info_)); }
+  bool is_rgb8() const {
+    return png_get_color_type(png_, info_) == PNG_COLOR_TYPE_RGB && png_get_bit_depth(png_, info_) == 8;
+  }
+  size_t row_bytes() const { return png_get_rowbytes(png_, info_); }
+  std::span<const png_text> texts() const {
+    png_textp texts = nullptr;
+    const int count = png_get_text(png_, info_, &texts, nullptr);
+    return {texts, static_cast<size_t>(count)};
+  }
+  /// How often the rows come: an interlaced file holds them in several passes.
+  int passes() {
+    int count = 1;
+    guarded(png_, message_, [&] { count = png_set_interlace_handling(png_); });
+    return count;
+  }
+  void read_row(std::span<std::byte> row) {
+    guarded(png_, message_, [&] { png_read_row(png_, reinterpret_cast<png_bytep>(row.data()), nullptr); });
+  }
+  void finish() {
+    guarded(png_, message_, [&] { png_read_end(png_, nullptr); });
+  }
+
+ private:
+  void destroy() { png_destroy_read_struct(&png_, &info_, nullptr); }
+
+  std::string message_;
+  png_structp png_;
+  png_infop info_;
+};
+
+/// The row of the window as sRGB bytes: the image's own, or converted into `converted`.
+std::span<const std::byte> rgb8_row(const Image& image, int y, std::vector<std::byte>& converted) {
+  const auto width = static_cast<size_t>(image.window.width());
+  const size_t first = static_cast<size_t>(y) * width;
+  if (image.format == PixelFormat::rgb8) return std::span(image.pixels).subspan(3 * first, 3 * width);
+  converted.resize(3 * width);
+  for (size_t x = 0; x < width; ++x)
+    for (size_t c = 0; c < 3; ++c)
+      converted[3 * x + c] = static_cast<std::byte>(encode_srgb8(channel_value(image, first + x, c)));
+  return converted;
 }
 
 }  // namespace
 
-void write_png(const std::string& path, int width_px, int height_px, std::span<const std::byte> rgb,
-               const std::map<std::string, std::string>& attributes) {
-  const size_t stride = 3 * static_cast<size_t>(width_px);
-  std::vector<png_bytep> rows;
-  for (size_t y = 0; y < static_cast<size_t>(height_px); ++y)
-    rows.push_back(reinterpret_cast<png_bytep>(const_cast<std::byte*>(rgb.data()) + y * stride));
+void write_png(std::FILE* file, const Image& image, const std::map<std::string, std::string>& attributes) {
   std::vector<png_text> texts;
   for (const auto& [name, value] : attributes) {
     png_text text{};
@@ -76,17 +140,42 @@ void write_png(const std::string& path, int width_px, int height_px, std::span<c
     text.text_length = value.size();
     texts.push_back(text);
   }
-  const std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "wb"), &std::fclose);
-  if (!file) throw std::runtime_error(std::strerror(errno));
-  std::string message = "no memory";
-  const Writer writer(&message);
-  if (!writer.info || !write_all(writer, file.get(), static_cast<png_uint_32>(width_px),
-                                 static_cast<png_uint_32>(height_px), texts, rows.data()))
-    throw std::runtime_error(message);
-  if (std::fflush(file.get()) != 0) throw std::runtime_error(std::strerror(errno));
-  const std::vector<std::byte> back = read_rgb(path);
-  if (back.size() != rgb.size() || std::memcmp(back.data(), rgb.data(), rgb.size()) != 0)
-    throw std::runtime_error("what was read back differs from what was written");
+  const int height = image.window.height();
+  std::vector<std::byte> converted;
+  Writer writer(file);
+  writer.write_header(image.window.width(), height, texts);
+  for (int y = 0; y < height; ++y) writer.write_row(rgb8_row(image, y, converted));
+  writer.finish();
+  if (std::fflush(file) != 0) throw std::runtime_error(std::strerror(errno));
+
+  Reader reader(file);
+  bool is_same =
+      reader.width_px() == image.window.width() && reader.height_px() == height && reader.is_rgb8();
+  std::vector<std::byte> back(reader.row_bytes());
+  for (int y = 0; is_same && y < height; ++y) {
+    reader.read_row(back);
+    is_same = std::memcmp(back.data(), rgb8_row(image, y, converted).data(), back.size()) == 0;
+  }
+  if (!is_same) throw std::runtime_error("what was read back differs from what was written");
+  reader.finish();
+}
+
+ImageInfo read_png_info(std::FILE* file) {
+  const Reader reader(file);
+  ImageInfo info{
+      reader.width_px(), reader.height_px(), {0, 0, reader.width_px(), reader.height_px()}, {}, {}};
+  if (reader.is_rgb8()) info.format = PixelFormat::rgb8;
+  for (const png_text& text : reader.texts()) info.attributes[text.key] = text.text;
+  return info;
+}
+
+void check_png(std::FILE* file) {
+  Reader reader(file);
+  const int passes = reader.passes();
+  std::vector<std::byte> row(reader.row_bytes());
+  for (int pass = 0; pass < passes; ++pass)
+    for (int y = 0; y < reader.height_px(); ++y) reader.read_row(row);
+  reader.finish();
 }
 
 }  // namespace rayfarm

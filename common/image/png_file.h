@@ -1,15 +1,19 @@
 #pragma once
-// PNG files of sRGB, 8 bits a channel.
-#include <cstddef>
-#include <map>
-#include <span>
-#include <string>
+// PNG files of sRGB, 8 bits a channel, a text chunk for each attribute.
+#include <cstdio>
+
+#include "common/image/image.h"
 
 namespace rayfarm {
 
-/// Writes height × width × 3 bytes, row-major, origin top left, with a text chunk for each attribute, and
-/// reads them back to compare. Throws std::runtime_error with what went wrong.
-void write_png(const std::string& path, int width_px, int height_px, std::span<const std::byte> rgb,
-               const std::map<std::string, std::string>& attributes);
+/// Writes the window's pixels into an empty file that is open for writing and reading, reads it back row by
+/// row and compares. Throws std::exception with what went wrong.
+void write_png(std::FILE* file, const Image& image, const std::map<std::string, std::string>& attributes);
+
+/// Reads all that stands before the pixels. Throws std::exception.
+ImageInfo read_png_info(std::FILE* file);
+
+/// Reads every row and chunk. Throws std::exception if one is missing or damaged.
+void check_png(std::FILE* file);
 
 }  // namespace rayfarm

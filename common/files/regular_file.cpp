@@ -1,0 +1,41 @@
+#include "common/files/regular_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "common/scene/input_error.h"
+
+namespace rayfarm {
+
+RegularFile open_regular_file(const std::string& path) {
+  const auto fail = [&path](const std::string& problem) { throw IoError(path + ": " + problem); };
+  const char* const irregular = "is not a regular file (but a pipe, a socket or a device); a file is needed";
+  // Without blocking: opening a pipe would wait for a writer.
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor < 0) {
+    const int error = errno;
+    std::error_code ignored;
+    if (error == ENOENT)
+      fail(fmt::format("no such file; check the path (it is relative to {})",
+                       std::filesystem::current_path(ignored).string()));
+    fail(error == ENXIO ? irregular : fmt::format("can't be opened: {}", std::strerror(error)));
+  }
+  RegularFile opened{OpenFile(fdopen(descriptor, "rb")), 0};
+  if (!opened.file) {
+    close(descriptor);
+    fail(std::strerror(ENOMEM));
+  }
+  struct stat status {};
+  if (fstat(descriptor, &status) != 0) fail(fmt::format("can't be opened: {}", std::strerror(errno)));
+  if (S_ISDIR(status.st_mode)) fail("is a folder; a file is needed");
+  if (!S_ISREG(status.st_mode)) fail(irregular);
+  opened.size_bytes = static_cast<uintmax_t>(status.st_size);
+  return opened;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,24 @@
+#pragma once
+// Files opened for reading. What is no regular file is refused after it was opened, so that nothing can take
+// its place between the check and the reading: a pipe would be waited for, and a device may never end.
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+namespace rayfarm {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using OpenFile = std::unique_ptr<std::FILE, CloseFile>;
+
+struct RegularFile {
+  OpenFile file;
+  uintmax_t size_bytes = 0;
+};
+
+/// Opens for reading. Throws IoError: there is no such file, it may not be read, or it is no regular file.
+RegularFile open_regular_file(const std::string& path);
+
+}  // namespace rayfarm

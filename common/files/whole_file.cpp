@@ -1,0 +1,110 @@
+#include "common/files/whole_file.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <climits>
+#include <cstring>
+#include <filesystem>
+#include <random>
+
+#include "common/files/regular_file.h"
+#include "common/scene/input_error.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr std::string_view kEnding = ".part";
+constexpr size_t kTokenDigits = 16;
+
+/// Of this process alone: another one with the same number, earlier or in another container, has another.
+const std::string& token() {
+  static const std::string text = [] {
+    std::random_device random;
+    return fmt::format("{:08x}{:08x}", random(), random());
+  }();
+  return text;
+}
+
+/// How the names of all files in the making of `target` begin that are made on this machine.
+std::string beginning_for(const std::filesystem::path& target) {
+  char host[HOST_NAME_MAX + 1] = "";
+  gethostname(host, sizeof host - 1);
+  // A name that is as long as names may be leaves no room for the rest of it.
+  constexpr size_t kLongestRest = 48;
+  const std::string after = fmt::format(".{}.", host);
+  const std::string name = target.filename().string();
+  const size_t room = NAME_MAX - std::min<size_t>(NAME_MAX, after.size() + kLongestRest);
+  return "." + name.substr(0, room) + after;
+}
+
+/// True if `name`, which begins as said above, belongs to a process that is gone.
+bool is_stale(std::string_view name, const std::string& beginning) {
+  if (!name.starts_with(beginning) || !name.ends_with(kEnding)) return false;
+  name.remove_prefix(beginning.size());
+  name.remove_suffix(kEnding.size());
+  pid_t process = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), process);
+  name.remove_prefix(static_cast<size_t>(end - name.data()));
+  if (error != std::errc{} || process <= 0 || name.size() <= kTokenDigits + 1 || name.front() != '.' ||
+      name.find_first_not_of("0123456789abcdef", 1) != std::string_view::npos)
+    return false;  // not a name that is made here
+  if (process == getpid()) return name.substr(1, kTokenDigits) != token();
+  return kill(process, 0) != 0 && errno == ESRCH;
+}
+
+void remove_stale(const std::filesystem::path& folder, const std::string& beginning) {
+  std::error_code ignored;
+  for (std::filesystem::directory_iterator entry(folder, ignored), end; entry != end;
+       entry.increment(ignored))
+    if (is_stale(entry->path().filename().string(), beginning))
+      std::filesystem::remove(entry->path(), ignored);
+}
+
+[[noreturn]] void fail() {
+  throw std::runtime_error(std::strerror(errno ? errno : EIO));
+}
+
+}  // namespace
+
+void write_whole_file(const std::string& path, const std::function<void(std::FILE* file)>& write) {
+  const std::filesystem::path target(path);
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  std::string temporary;
+  try {
+    std::error_code error;
+    const auto status = std::filesystem::status(target, error);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+      throw std::runtime_error("what stands there is not a regular file");
+    const std::string beginning = beginning_for(target);
+    remove_stale(folder, beginning);
+    static std::atomic<unsigned> counter{0};
+    const std::string name =
+        fmt::format("{}{}.{}{:x}{}", beginning, getpid(), token(), counter.fetch_add(1), kEnding);
+    const std::string in_making = (folder / name).string();
+    const int descriptor = open(in_making.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor < 0) fail();
+    temporary = in_making;
+    const OpenFile file(fdopen(descriptor, "w+b"));
+    if (!file) {
+      close(descriptor);
+      fail();
+    }
+    write(file.get());
+    // Forced to its disk, so that a full one shows here.
+    errno = 0;
+    if (std::fflush(file.get()) != 0 || std::ferror(file.get()) || fsync(descriptor) != 0) fail();
+    std::filesystem::rename(temporary, target);
+  } catch (const std::exception& e) {
+    std::error_code ignored;
+    if (!temporary.empty()) std::filesystem::remove(temporary, ignored);
+    throw IoError(fmt::format(
+        "{}: can't be written: {}; check the folder, its permissions and the space left", path, e.what()));
+  }
+}
+
+}  // namespace rayfarm

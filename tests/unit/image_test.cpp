@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <climits>
+#include <filesystem>
+#include <fstream>
+
+#include "common/files/whole_file.h"
+#include "common/image/half_float.h"
+#include "common/image/image_file.h"
+#include "common/scene/input_error.h"
+#include "test_scene.h"
+
+namespace rayfarm {
+namespace {
+
+const std::map<std::string, std::string> kAttributes{{"rayfarm/seed", "7"}, {"rayfarm/version", "1"}};
+
+/// A crop of 50 × 70 pixels, whose rows are more than what is written at once, each pixel different.
+Image make_crop(PixelFormat format) {
+  Image image{640, 480, {100, 90, 150, 160}, format, {}};
+  image.pixels.resize(static_cast<size_t>(image.window.area()) * bytes_per_pixel(format));
+  std::byte* out = image.pixels.data();
+  for (int64_t i = 0; i < image.window.area(); ++i, out += bytes_per_pixel(format)) {
+    const double x = static_cast<double>(i * 7919 % 3500) / 3500;
+    encode_pixel(format, Color(x, 1 - x, x * x), out);
+  }
+  return image;
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+void write_bytes(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+TEST(ImageFiles, SayWhatTheyHold) {
+  for (const PixelFormat format : {PixelFormat::rgb8, PixelFormat::half_float, PixelFormat::float32}) {
+    const Image image = make_crop(format);
+    const std::string path = test::write_temporary(format == PixelFormat::rgb8 ? "a.png" : "a.exr", "");
+    write_image(path, image, kAttributes);
+    check_image_whole(path);
+    const ImageInfo info = read_image_info(path);
+    EXPECT_EQ(info.format, format);
+    for (const auto& [name, value] : kAttributes) {
+      ASSERT_TRUE(info.attributes.contains(name));
+      EXPECT_EQ(info.attributes.at(name), value);
+    }
+    if (format == PixelFormat::rgb8) {
+      EXPECT_EQ(info.width_px, 50);
+      EXPECT_EQ(info.height_px, 70);
+      EXPECT_EQ(info.window, (PixelRect{0, 0, 50, 70}));
+    } else {
+      EXPECT_EQ(info.width_px, 640);
+      EXPECT_EQ(info.height_px, 480);
+      EXPECT_EQ(info.window, image.window);
+    }
+    // And the pixels are where they belong, whatever module reads them.
+    const ReadImage back = read_image(path);
+    ASSERT_EQ(back.pixels.size(), 3u * 50 * 70);
+    for (const size_t pixel : {size_t{0}, size_t{49}, size_t{50 * 64}, size_t{3499}})
+      for (size_t c = 0; c < 3; ++c) {
+        const double read = static_cast<double>(back.pixels[3 * pixel + c]);
+        EXPECT_NEAR(format == PixelFormat::rgb8 ? decode_srgb(read) : read, channel_value(image, pixel, c),
+                    1e-6);
+      }
+  }
+}
+
+TEST(ImageFiles, WhatIsNotWholeIsFound) {
+  for (const char* name : {"damaged.png", "damaged.exr"}) {
+    const std::string path = test::write_temporary(name, "");
+    write_image(path, make_crop(natural_format(path)), kAttributes);
+    const std::string whole = bytes_of(path);
+    for (size_t length = 0; length < whole.size(); length += 1 + length / 20) {
+      write_bytes(path, whole.substr(0, length));
+      EXPECT_THROW(check_image_whole(path), IoError) << name << " cut to " << length;
+    }
+    write_bytes(path, whole.substr(0, whole.size() - 1));
+    EXPECT_THROW(check_image_whole(path), IoError) << name;
+    // In the middle of the pixels' data, which both formats hold with a sum to check it by.
+    for (size_t at = whole.size() / 2; at < whole.size() / 2 + 40; ++at) {
+      std::string bytes = whole;
+      bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
+      write_bytes(path, bytes);
+      EXPECT_THROW(check_image_whole(path), IoError) << name << " at " << at;
+    }
+    write_bytes(path, "no picture at all");
+    EXPECT_THROW(read_image_info(path), IoError);
+  }
+  EXPECT_THROW(check_image_whole("/nowhere/a.png"), IoError);
+}
+
+class WholeFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  static void write(const std::filesystem::path& path, const std::string& text) {
+    write_whole_file(path.string(), [&](std::FILE* file) { std::fputs(text.c_str(), file); });
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+      found.push_back(entry.path().filename().string());
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+  const std::filesystem::path folder_ =
+      std::filesystem::path(test::write_temporary("x", "")).parent_path() / "whole";
+};
+
+TEST_F(WholeFiles, LeaveNothingWhenTheyFail) {
+  write(folder_ / "a.txt", "before");
+  EXPECT_THROW(write_whole_file((folder_ / "a.txt").string(),
+                                [](std::FILE* file) {
+                                  std::fputs("half", file);
+                                  throw std::runtime_error("no more");
+                                }),
+               IoError);
+  EXPECT_EQ(bytes_of((folder_ / "a.txt").string()), "before");
+  EXPECT_EQ(names(), std::vector<std::string>{"a.txt"});
+  EXPECT_THROW(write(folder_ / "none" / "a.txt", ""), IoError);
+  const std::string longest(NAME_MAX, 'n');
+  write(folder_ / longest, "long");
+  EXPECT_EQ(bytes_of((folder_ / longest).string()), "long");
+}
+
+TEST_F(WholeFiles, DoNotFollowLinksOrReplaceDevices) {
+  write_bytes((folder_ / "victim").string(), "untouched");
+  for (const std::string& name : {fmt::format(".a.exr.{}.part", getpid()), std::string("a.txt.part")})
+    std::filesystem::create_symlink(folder_ / "victim", folder_ / name);
+  write(folder_ / "a.txt", "text");
+  const std::string picture = (folder_ / "a.exr").string();
+  write_image(picture, make_crop(PixelFormat::half_float), {});
+  EXPECT_EQ(bytes_of((folder_ / "victim").string()), "untouched");
+  std::filesystem::create_directory(folder_ / "taken");
+  EXPECT_THROW(write(folder_ / "taken", "text"), IoError);
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  EXPECT_THROW(write(folder_ / "pipe", "text"), IoError);
+  EXPECT_TRUE(std::filesystem::is_fifo(folder_ / "pipe"));
+}
+
+TEST_F(WholeFiles, RemoveWhatDeadProcessesOfThisMachineLeft) {
+  const pid_t dead = fork();
+  if (dead == 0) _exit(0);
+  ASSERT_EQ(waitpid(dead, nullptr, 0), dead);
+  char host[HOST_NAME_MAX + 1] = "";
+  gethostname(host, sizeof host - 1);
+  const std::string random = "0123456789abcdef0";
+  const auto part = [&](const std::string& of, const std::string& on, pid_t process) {
+    return fmt::format(".{}.{}.{}.{}.part", of, on, process, random);
+  };
+  const std::vector<std::string> gone{part("a.txt", host, dead),
+                                      part("a.txt", host, getpid())};  // of a process that had our number
+  std::vector<std::string> kept{part("a.txt", host, getppid()), part("a.txt", "elsewhere", dead),
+                                part("b.txt", host, dead), fmt::format(".a.txt.{}.{}.part", host, dead)};
+  for (const auto& all : {gone, kept})
+    for (const std::string& name : all) write_bytes((folder_ / name).string(), "");
+  write(folder_ / "a.txt", "text");
+  kept.push_back("a.txt");
+  std::sort(kept.begin(), kept.end());
+  EXPECT_EQ(names(), kept);
+}
+
+}  // namespace
+}  // namespace rayfarm
