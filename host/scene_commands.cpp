@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "common/scene/camera.h"
 #include "common/scene/compile.h"
@@ -46,12 +47,26 @@ std::string megabytes(size_t bytes) {
   return fmt::format("{:.2f} MiB", static_cast<double>(bytes) / (1 << 20));
 }
 
+/// Files that would be missed where the scene's folder alone is copied to.
+void list_files_outside(const SceneDescription& scene) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(scene.files.at(0))).parent_path();
+  bool is_first = true;
+  for (const std::string& file : scene.files) {
+    const fs::path there = fs::weakly_canonical(fs::absolute(file)).lexically_relative(folder);
+    if (there.empty() || *there.begin() != "..") continue;
+    if (std::exchange(is_first, false)) fmt::print(stderr, "outside of the scene's folder:\n");
+    fmt::print(stderr, "  {}\n", file);
+  }
+}
+
 }  // namespace
 
 int run_check(const std::string& path) {
   const SceneDescription scene = load_scene(path);
   const CompiledScene compiled = compile_and_look(scene);
   for (const std::string& file : scene.files) fmt::print("{}\n", file);
+  list_files_outside(scene);
   const size_t warnings = compiled.notes.lines().size();
   if (warnings == 0)
     fmt::print(stderr, "{}: no problems found\n", path);
@@ -92,29 +107,34 @@ int run_info(const std::string& path) {
 }
 
 int run_compare(const CompareOptions& options) {
-  const ReadImage a = read_image(options.a), b = read_image(options.b);
-  if (a.width_px != b.width_px || a.height_px != b.height_px) {
-    fmt::print("the sizes differ: {}×{} and {}×{}\n", a.width_px, a.height_px, b.width_px, b.height_px);
+  constexpr uint64_t kMostPixels = uint64_t{65536} * 65536;  // of any picture that can be rendered
+  ImageReader a(options.a, kMostPixels), b(options.b, kMostPixels);
+  if (a.width_px() != b.width_px() || a.height_px() != b.height_px()) {
+    fmt::print("the sizes differ: {}×{} and {}×{}\n", a.width_px(), a.height_px(), b.width_px(),
+               b.height_px());
     return kRenderFailure;
   }
+  const size_t pixels = static_cast<size_t>(a.width_px()) * static_cast<size_t>(a.height_px());
   size_t differing = 0;
   double largest = 0, squares = 0;
-  const size_t pixels = a.pixels.size() / 3;
-  for (size_t i = 0; i < pixels; ++i) {
-    bool differs = false;
-    for (size_t c = 0; c < 3; ++c) {
-      const double x = static_cast<double>(a.pixels[3 * i + c]), y = static_cast<double>(b.pixels[3 * i + c]);
-      const double d = x == y ? 0 : std::abs(x - y);
-      if (!(d <= options.tolerance)) differs = true;  // a NaN differs
-      largest = std::max(largest, std::isnan(d) ? INFINITY : d);
-      squares += d * d;
+  for (int y = 0; y < a.height_px(); ++y) {
+    const std::span<const float> row_a = a.next_row(), row_b = b.next_row();
+    for (size_t i = 0; i < row_a.size(); i += 3) {
+      bool differs = false;
+      for (size_t c = i; c < i + 3; ++c) {
+        const double p = static_cast<double>(row_a[c]), q = static_cast<double>(row_b[c]);
+        const double d = p == q ? 0 : std::abs(p - q);
+        if (!(d <= options.tolerance)) differs = true;  // a NaN differs
+        largest = std::max(largest, std::isnan(d) ? INFINITY : d);
+        squares += d * d;
+      }
+      differing += differs ? 1 : 0;
     }
-    differing += differs ? 1 : 0;
   }
-  const double share = pixels ? static_cast<double>(differing) / static_cast<double>(pixels) : 0;
+  const double share = static_cast<double>(differing) / static_cast<double>(pixels);
   fmt::print("{} of {} pixels differ by more than {:g} ({:.4f} %); largest difference {:g}; RMSE {:g}\n",
              differing, pixels, options.tolerance, 100 * share, largest,
-             std::sqrt(squares / static_cast<double>(std::max<size_t>(1, a.pixels.size()))));
+             std::sqrt(squares / (3 * static_cast<double>(pixels))));
   return share <= options.share ? kComplete : kRenderFailure;
 }
 

@@ -14,9 +14,16 @@
 namespace rayfarm {
 namespace {
 
+/// Deflate, the best of what most formats compress with, makes 1,032 bytes of one at most (zlib's technical
+/// notes), and a byte may hold eight pixels.
+constexpr uint64_t kMostPixelsPerByte = 8 * 1032;
+/// So few need no such proof: a format that stores a plain area as a few numbers may hold them in a few
+/// bytes.
+constexpr uint64_t kPixelsOfAnyFile = 1 << 22;
+
 /// OpenImageIO's module, which stands beside the executable or in ../lib; a test's executable stands below.
-ReadImageFunction* load_reader() {
-  static ReadImageFunction* const reader = [] {
+OpenImageFunction* load_reader() {
+  static OpenImageFunction* const reader = [] {
     const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     void* module = nullptr;
     for (const char* place : {".", "../lib", ".."}) {
@@ -26,13 +33,13 @@ ReadImageFunction* load_reader() {
       if (!module)
         throw IoError(fmt::format("OpenImageIO can't be loaded: {}; ./deploy/setup installs it", dlerror()));
     }
-    void* symbol = module ? dlsym(module, kReadImageSymbol) : nullptr;
+    void* symbol = module ? dlsym(module, kOpenImageSymbol) : nullptr;
     if (!symbol)
       throw IoError(
           fmt::format("OpenImageIO can't be loaded: rayfarm_image_formats.so is missing; it belongs beside "
                       "the executable ({}) or in ../lib",
                       folder.string()));
-    return reinterpret_cast<ReadImageFunction*>(symbol);
+    return reinterpret_cast<OpenImageFunction*>(symbol);
   }();
   return reader;
 }
@@ -84,11 +91,37 @@ void check_image_whole(const std::string& path) {
   with_image(path, check_png, check_exr);
 }
 
-ReadImage read_image(const std::string& path) {
-  ReadImage image;
-  const std::string error = load_reader()(path, image);
-  if (!error.empty()) throw IoError(fmt::format("{}: can't be read: {}", path, error));
-  return image;
+ImageReader::ImageReader(const std::string& path, uint64_t most_pixels)
+    : path_(path), opened_(open_regular_file(path)) {
+  OpenedImage image = load_reader()(fileno(opened_.file.get()), path, most_pixels);
+  if (!image.source) fail(image.problem);
+  source_ = std::move(image.source);
+  if (width_px() <= 0 || height_px() <= 0)
+    fail(fmt::format("it has {} × {} pixels, which is no picture", width_px(), height_px()));
+  const uint64_t pixels = static_cast<uint64_t>(width_px()) * static_cast<uint64_t>(height_px());
+  if (pixels > kPixelsOfAnyFile && pixels / kMostPixelsPerByte > opened_.size_bytes)
+    fail(fmt::format("it claims {} × {} pixels, which {} bytes can't hold; the file is damaged or cut off",
+                     width_px(), height_px(), opened_.size_bytes));
+  if (pixels > most_pixels)
+    fail(fmt::format("it has {} × {} pixels, more than the {} that may be read; scale it down", width_px(),
+                     height_px(), most_pixels));
+}
+
+void ImageReader::fail(const std::string& problem) const {
+  throw IoError(fmt::format("{}: can't be read: {}", path_, problem));
+}
+
+std::span<const float> ImageReader::next_row() {
+  const size_t stride = 3 * static_cast<size_t>(width_px());
+  const int in_block = row_ % source_->rows_at_once;
+  if (in_block == 0) {
+    const int count = std::min(source_->rows_at_once, height_px() - row_);
+    block_.resize(static_cast<size_t>(count) * stride);
+    if (const std::string problem = source_->read_rows(row_, count, block_.data()); !problem.empty())
+      fail(problem);
+  }
+  ++row_;
+  return std::span(block_).subspan(static_cast<size_t>(in_block) * stride, stride);
 }
 
 std::string sha256(std::span<const std::byte> bytes) {

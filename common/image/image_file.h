@@ -1,6 +1,7 @@
 #pragma once
 // Image files: OpenEXR and PNG. A file appears under its name only when it is whole: written beside it, read
 // back and compared, then renamed.
+#include "common/files/regular_file.h"
 #include "common/image/formats/image_formats.h"
 #include "common/image/image.h"
 
@@ -24,8 +25,25 @@ ImageInfo read_image_info(const std::string& path);
 /// Reads an .exr or .png to its end. Throws IoError if it is empty, cut off or damaged.
 void check_image_whole(const std::string& path);
 
-/// Reads any image as linear-or-not floats, height × width × 3, as the file holds them. Throws IoError.
-ReadImage read_image(const std::string& path);
+/// Reads an image of any format row by row from the top, as floats in the encoding of its file.
+class ImageReader {
+ public:
+  /// Throws IoError if it can't be read, has more than `most_pixels`, or claims more than its bytes can hold.
+  ImageReader(const std::string& path, uint64_t most_pixels);
+  int width_px() const { return source_->width_px; }
+  int height_px() const { return source_->height_px; }
+  /// The next row, width × 3, until the next call. Throws IoError.
+  std::span<const float> next_row();
+
+ private:
+  [[noreturn]] void fail(const std::string& problem) const;
+
+  std::string path_;
+  RegularFile opened_;
+  std::unique_ptr<ImageSource> source_;
+  std::vector<float> block_;
+  int row_ = 0;
+};
 
 /// SHA-256 of the bytes in hexadecimal.
 std::string sha256(std::span<const std::byte> bytes);

@@ -56,8 +56,9 @@ class Reader {
 
 }  // namespace
 
-std::vector<double> load_ies(const std::string& path, GoniometricDiagram& diagram) {
-  const std::string text = read_text_file(path, kMostBytes);
+std::vector<double> load_ies(const std::string& path, GoniometricDiagram& diagram,
+                             const std::stop_token& stop) {
+  const std::string text = read_text_file(path, kMostBytes, stop);
   Reader reader(text, path);
   std::string_view tilt;
   while (true) {

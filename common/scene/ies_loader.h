@@ -4,11 +4,13 @@
 #include <vector>
 
 #include "common/lighting/goniometry.h"
+#include "common/scene/stop.h"
 
 namespace rayfarm {
 
 /// The values of a diagram in candela, laid out as GoniometricDiagram tells; sets its counts. Throws
-/// InputError with the line, IoError.
-std::vector<double> load_ies(const std::string& path, GoniometricDiagram& diagram);
+/// InputError with the line, IoError, Stopped.
+std::vector<double> load_ies(const std::string& path, GoniometricDiagram& diagram,
+                             const std::stop_token& stop = {});
 
 }  // namespace rayfarm

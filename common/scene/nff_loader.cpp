@@ -11,13 +11,15 @@ namespace {
 /// Splits the text into tokens and knows the place of each.
 class Tokens {
  public:
-  Tokens(const std::string& text, const std::string& file) : text_(text), file_(file) {}
+  Tokens(const std::string& text, const std::string& file, const std::stop_token& stop)
+      : text_(text), file_(file), stop_(stop) {}
 
   bool at_end() {
     skip_space();
     return position_ == text_.size();
   }
   std::string_view next(std::string_view expected) {
+    throw_if_stopped(stop_);
     if (at_end()) fail(fmt::format("the file ends where {} is expected", expected));
     const size_t begin = position_;
     token_line_ = line_;
@@ -82,6 +84,7 @@ class Tokens {
 
   const std::string& text_;
   const std::string& file_;
+  const std::stop_token& stop_;
   size_t position_ = 0, line_begin_ = 0;
   int line_ = 1, token_line_ = 0, token_column_ = 0;
 };
@@ -118,9 +121,9 @@ Shape read_polygon(Tokens& tokens, bool has_normals) {
 
 }  // namespace
 
-SceneDescription load_nff_scene(const std::string& path) {
-  const std::string text = read_text_file(path, limits::kFileBytes);
-  Tokens tokens(text, path);
+SceneDescription load_nff_scene(const std::string& path, const std::stop_token& stop) {
+  const std::string text = read_text_file(path, limits::kFileBytes, stop);
+  Tokens tokens(text, path, stop);
   SceneDescription scene;
   scene.files = {path};
   scene.objects.push_back({"nff", {}, {}, {0, 1, 1}});

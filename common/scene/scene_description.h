@@ -30,6 +30,8 @@ inline constexpr size_t kQuadricPlanes = 16;
 inline constexpr size_t kInstances = 4'000'000;  ///< the object tree, expanded
 inline constexpr size_t kLights = 10'000;
 inline constexpr size_t kKeys = 1'000'000;
+inline constexpr uint64_t kTexturePixels = 1ull << 28;  ///< of one image, 16384²: 2 GiB with its mip map
+inline constexpr uint64_t kTexels = 1ull << 30;         ///< of all images with their mip maps: 6 GiB
 inline constexpr double kCoordinate = 1e15;
 }  // namespace limits
 
@@ -152,7 +154,8 @@ struct SceneDescription {
 SceneDescription load_scene(const std::string& path, const std::stop_token& stop = {});
 
 /// The checks that hold for every format: finite numbers, planar polygons, counts, cycles, instances.
-/// Throws InputError at the place of the first fault. Materials named nowhere else get index checks here too.
-void validate(const SceneDescription& scene);
+/// Throws InputError at the place of the first fault, and Stopped. Materials named nowhere else get index
+/// checks here too.
+void validate(const SceneDescription& scene, const std::stop_token& stop = {});
 
 }  // namespace rayfarm

@@ -124,10 +124,13 @@ size_t count_instances(const SceneDescription& scene, size_t most) {
   return count(scene.root);
 }
 
-void validate(const SceneDescription& scene) {
+void validate(const SceneDescription& scene, const std::stop_token& stop) {
   size_t primitives = 0;
   for (const ObjectDescription& object : scene.objects) {
-    for (const PrimitiveDescription& p : object.primitives) check_shape(scene, p);
+    for (const PrimitiveDescription& p : object.primitives) {
+      throw_if_stopped(stop);
+      check_shape(scene, p);
+    }
     primitives += object.primitives.size();
     if (primitives > limits::kPrimitives) fail(scene, object.place, "the scene has too many primitives");
   }

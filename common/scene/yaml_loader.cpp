@@ -1,10 +1,12 @@
 // Rayfarm's scene format. scenes/README.md is its manual.
 #include <filesystem>
+#include <istream>
 #include <map>
 #include <numbers>
 
 #include "common/math/portable_math.h"
 #include "common/scene/scene_loaders.h"
+#include "common/scene/stoppable_text.h"
 #include "common/scene/yaml_materials.h"
 #include "common/scene/yaml_reader.h"
 #include "common/scene/yaml_textures.h"
@@ -88,14 +90,16 @@ Affine read_matrix(const YamlValue& v) {
 
 class Loader {
  public:
-  explicit Loader(const std::string& path) : path_(path) {}
+  Loader(const std::string& path, const std::stop_token& stop) : path_(path) { budget_.stop = stop; }
 
   SceneDescription load() {
-    const std::string text = read_text_file(path_, limits::kYamlFileBytes);
+    const std::string text = read_file(path_, limits::kYamlFileBytes, budget_.stop);
     scene_.files = {path_};
     YAML::Node document;
     try {
-      document = YAML::Load(text);
+      StoppableText buffer(text, budget_.stop);
+      std::istream in(&buffer);
+      document = YAML::Load(in);
     } catch (const YAML::ParserException& e) {
       throw InputError({path_, e.mark.line + 1, e.mark.column + 1}, "not valid YAML: " + e.msg);
     } catch (const YAML::Exception& e) {
@@ -177,7 +181,7 @@ class Loader {
 
   void read_textures(const YamlValue& value) {
     for (const auto& [key, v] : value.entries())
-      scene_.textures.push_back(read_texture(key.text(), v, folder(), scene_.files));
+      scene_.textures.push_back(read_texture(key.text(), v, folder(), scene_));
   }
 
   void read_materials(const YamlValue& value) {
@@ -447,7 +451,7 @@ class Loader {
     if (path.extension() != ".obj") file.fail("a mesh is read from an .obj file");
     try {
       scene_.objects[object].primitives.push_back(
-          load_obj_mesh(scene_, path.string(), material, smoothing, value.place()));
+          load_obj_mesh(scene_, path.string(), material, smoothing, value.place(), value.stop()));
     } catch (const IoError& e) {
       file.fail(e.what());
     }
@@ -462,8 +466,8 @@ class Loader {
 
 }  // namespace
 
-SceneDescription load_yaml_scene(const std::string& path) {
-  return Loader(path).load();
+SceneDescription load_yaml_scene(const std::string& path, const std::stop_token& stop) {
+  return Loader(path, stop).load();
 }
 
 }  // namespace rayfarm

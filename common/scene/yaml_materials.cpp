@@ -237,7 +237,7 @@ Light read_light(const YamlValue& value, const std::string& folder, SceneDescrip
     const std::string path = (std::filesystem::path(folder) / ies->text()).string();
     DiagramDescription diagram;
     try {
-      diagram.values = load_ies(path, diagram);
+      diagram.values = load_ies(path, diagram, ies->stop());
     } catch (const IoError& e) {
       ies->fail(e.what());
     }

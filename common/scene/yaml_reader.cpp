@@ -12,6 +12,7 @@ YamlValue::YamlValue(const YAML::Node& node, std::string what, const std::string
     : node_(node), what_(std::move(what)), file_(&file), budget_(&budget) {
   if (budget.nodes_left == 0) fail("the document expands to too many values (do its anchors multiply?)");
   --budget.nodes_left;
+  throw_if_stopped(budget.stop);
 }
 
 void YamlValue::fail(const std::string& problem) const {

@@ -10,12 +10,14 @@
 
 namespace rayfarm {
 
-/// Bounds how much of a document is visited, so that anchors that multiply can't take for ever.
+/// Bounds how much of a document is visited, so that anchors that multiply can't take for ever, and for how
+/// long.
 struct YamlBudget {
   size_t nodes_left = 50'000'000;
+  std::stop_token stop;
 };
 
-/// A YAML node with the name of its file and of what it stands for.
+/// A YAML node with the name of its file and of what it stands for. Whatever makes one throws Stopped.
 class YamlValue {
  public:
   YamlValue(const YAML::Node& node, std::string what, const std::string& file, YamlBudget& budget);
@@ -26,6 +28,7 @@ class YamlValue {
                                  const std::string& otherwise = "") const;
   Place place() const;
   const std::string& what() const { return what_; }
+  const std::stop_token& stop() const { return budget_->stop; }
   bool is_map() const { return node_.IsMap(); }
   bool is_sequence() const { return node_.IsSequence(); }
   bool is_null() const { return node_.IsNull(); }

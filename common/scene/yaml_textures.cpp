@@ -2,29 +2,26 @@
 
 #include <filesystem>
 
-#include "common/textures/image_texture.h"
+#include "common/scene/scene_images.h"
 
 namespace rayfarm {
 namespace {
 
 /// The image that `file` names.
 void read_image_of(YamlMap& map, const std::string& folder, TextureDescription& texture,
-                   std::vector<std::string>& files) {
-  texture.is_mapped = 1;
+                   SceneDescription& scene) {
   const YamlValue file = map.require("file");
-  const std::string path = (std::filesystem::path(folder) / file.text()).string();
   try {
-    texture.texels = load_texels(path, texture);
+    load_scene_image(scene, (std::filesystem::path(folder) / file.text()).string(), texture, file.stop());
   } catch (const IoError& e) {
     file.fail(e.what());
   }
-  files.push_back(path);
 }
 
 }  // namespace
 
 TextureDescription read_texture(const std::string& name, const YamlValue& value, const std::string& folder,
-                                std::vector<std::string>& files) {
+                                SceneDescription& scene) {
   YamlMap map(value);
   TextureDescription texture;
   texture.name = name;
@@ -38,7 +35,7 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
       v->fail("a texture's scale must be above 0");
   }
   if (texture.kind == TextureKind::image) {
-    read_image_of(map, folder, texture, files);
+    read_image_of(map, folder, texture, scene);
     map.finish();
     return texture;
   }
@@ -67,8 +64,7 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
 void read_environment(const YamlValue& value, const std::string& folder, SceneDescription& scene) {
   YamlMap map(value);
   TextureDescription& image = scene.environment.emplace();
-  image.kind = TextureKind::image;
-  read_image_of(map, folder, image, scene.files);
+  read_image_of(map, folder, image, scene);
   scene.background = Color(1);
   if (auto v = map.find("intensity")) scene.background = Color(v->number_in(0, 1e9));
   if (auto v = map.find("turn")) scene.environment_turn = v->number() / 360;

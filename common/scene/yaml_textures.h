@@ -4,9 +4,9 @@
 
 namespace rayfarm {
 
-/// `folder`: to which image files are relative. `files` grows by every file read.
+/// `folder`: to which image files are relative. The scene's files grow by every file read.
 TextureDescription read_texture(const std::string& name, const YamlValue& value, const std::string& folder,
-                                std::vector<std::string>& files);
+                                SceneDescription& scene);
 
 /// The image that is seen behind the scene.
 void read_environment(const YamlValue& value, const std::string& folder, SceneDescription& scene);

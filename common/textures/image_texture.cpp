@@ -5,41 +5,85 @@
 #include "common/image/pixel_format.h"
 
 namespace rayfarm {
+namespace {
 
-std::vector<uint16_t> load_texels(const std::string& path, Texture& texture) {
-  const ReadImage image = read_image(path);
+/// A level of the mip map in the making. It takes the rows of the one above from the top, so that the largest
+/// level need not be held.
+class Level {
+ public:
+  Level(size_t above_columns, size_t above_rows)
+      : columns(std::max<size_t>(1, above_columns / 2)),
+        rows(std::max<size_t>(1, above_rows / 2)),
+        pixels(columns * rows, Color(0)),
+        above_columns_(above_columns),
+        above_rows_(above_rows) {}
+
+  void add(std::span<const Color> row) {
+    Color* const sums = &pixels[row_ * columns];
+    // All pixels that one here covers, two or three each way.
+    for (size_t x = 0; x < columns; ++x)
+      for (size_t u = begin(x, columns, above_columns_); u < begin(x + 1, columns, above_columns_); ++u)
+        sums[x] += row[u];
+    ++seen_;
+    if (++above_row_ < begin(row_ + 1, rows, above_rows_)) return;
+    for (size_t x = 0; x < columns; ++x)
+      sums[x] /= static_cast<double>(
+          seen_ * (begin(x + 1, columns, above_columns_) - begin(x, columns, above_columns_)));
+    ++row_;
+    seen_ = 0;
+  }
+
+  size_t columns, rows;
+  std::vector<Color> pixels;
+
+ private:
+  static size_t begin(size_t i, size_t count, size_t above) { return i * above / count; }
+
+  size_t above_columns_, above_rows_, above_row_ = 0, row_ = 0, seen_ = 0;
+};
+
+void append_halves(std::span<const Color> row, std::vector<uint16_t>& texels) {
+  for (const Color& color : row)
+    for (int c = 0; c < 3; ++c) texels.push_back(half_of_float(std::max(color[c], 0.0)));
+}
+
+}  // namespace
+
+std::vector<uint16_t> load_texels(const std::string& path, Texture& texture, uint64_t most_pixels,
+                                  const std::stop_token& stop) {
+  ImageReader reader(path, most_pixels);
   const std::string extension = extension_of(path);
   const bool is_linear = extension == ".exr" || extension == ".hdr" || extension == ".pfm";
-  const auto columns = static_cast<size_t>(image.width_px), rows = static_cast<size_t>(image.height_px);
-  std::vector<Color> level(columns * rows);
-  for (size_t i = 0; i < level.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) {
-      const double value = static_cast<double>(image.pixels[3 * i + c]);
-      level[i][static_cast<int>(c)] = is_linear ? value : decode_srgb(value);
-    }
+  const auto columns = static_cast<size_t>(reader.width_px()), rows = static_cast<size_t>(reader.height_px());
   texture.width_px = static_cast<uint32_t>(columns);
   texture.height_px = static_cast<uint32_t>(rows);
-  texture.levels = 0;
+  texture.levels = 1;
   std::vector<uint16_t> texels;
-  for (size_t w = columns, h = rows;;) {
-    for (const Color& color : level)
-      for (int c = 0; c < 3; ++c) texels.push_back(half_of_float(std::max(color[c], 0.0)));
-    ++texture.levels;
-    if (w == 1 && h == 1) break;
-    const size_t next_w = std::max<size_t>(1, w / 2), next_h = std::max<size_t>(1, h / 2);
-    std::vector<Color> next(next_w * next_h);
-    for (size_t y = 0; y < next_h; ++y)
-      for (size_t x = 0; x < next_w; ++x) {
-        // All texels that this one covers, two or three each way.
-        Color sum(0);
-        double count = 0;
-        for (size_t v = y * h / next_h; v < (y + 1) * h / next_h; ++v)
-          for (size_t u = x * w / next_w; u < (x + 1) * w / next_w; ++u, ++count) sum += level[v * w + u];
-        next[y * next_w + x] = sum / count;
+  std::vector<Color> row(columns);
+  Level level(columns, rows);
+  for (size_t y = 0; y < rows; ++y) {
+    throw_if_stopped(stop);
+    const std::span<const float> values = reader.next_row();
+    for (size_t x = 0; x < columns; ++x)
+      for (size_t c = 0; c < 3; ++c) {
+        const double value = static_cast<double>(values[3 * x + c]);
+        row[x][static_cast<int>(c)] = is_linear ? value : decode_srgb(value);
       }
+    append_halves(row, texels);
+    level.add(row);
+  }
+  for (size_t w = columns, h = rows; w > 1 || h > 1;) {
+    w = level.columns;
+    h = level.rows;
+    ++texture.levels;
+    Level next(w, h);
+    for (size_t y = 0; y < h; ++y) {
+      throw_if_stopped(stop);
+      const std::span<const Color> done = std::span(level.pixels).subspan(y * w, w);
+      append_halves(done, texels);
+      next.add(done);
+    }
     level = std::move(next);
-    w = next_w;
-    h = next_h;
   }
   return texels;
 }

@@ -125,7 +125,8 @@ Color image(const Texture& t, std::span<const uint16_t> texels, const Vec2& uv, 
 
 Color eval_texture(const Texture& t, std::span<const uint16_t> texels, const TexturePoint& at) {
   if (t.kind == TextureKind::image)
-    return image(t, texels, at.uv / Vec2(t.scale), at.width_uv / std::min(t.scale.x, t.scale.y));
+    return image(t, texels, at.uv / Vec2(t.scale) + t.offset,
+                 at.width_uv / std::min(std::abs(t.scale.x), std::abs(t.scale.y)));
   const Vec3 p = (t.is_mapped ? Vec3(at.uv, 0) : at.p) / t.scale;
   const double width = (t.is_mapped ? at.width_uv : at.width) / std::min({t.scale.x, t.scale.y, t.scale.z});
   switch (t.kind) {

@@ -25,7 +25,8 @@ struct Texture {
   uint32_t is_mapped = 0;  ///< 1: the pattern lies in (u, v, 0), not in space; images always do
   uint32_t octaves = 5, seed = 0;
   Color first{1}, second{0};
-  Vec3 scale{1};  ///< lengths of one unit of the pattern
+  Vec3 scale{1};   ///< lengths of one unit of the pattern
+  Vec2 offset{0};  ///< of an image, added to (u, v) after scaling
   double strength = 1, aspect = 1, gap = 0;
   uint32_t first_texel = 0, width_px = 0, height_px = 0, levels = 0;  ///< of an image: halves of halves
 };

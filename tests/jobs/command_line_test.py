@@ -1,6 +1,8 @@
 """What users get wrong: each ends in a clear message and its own exit code, and leaves nothing behind."""
+import os
 import pathlib
 import re
+import socket
 import subprocess
 
 from rayfarm_job import ENVIRONMENT, JobTest, RAYFARM, SCENES, main
@@ -168,6 +170,40 @@ class Commands(JobTest):
         result = self.run_alone("check", scene)
         self.assertEqual(result.code, 0, result.stderr)
         self.assertEqual(result.stdout.splitlines(), [str(scene), str(obj)])
+
+    def test_check_lists_files_outside_of_the_scenes_folder(self):
+        (self.folder / "scenes").mkdir()
+        obj = self.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        scene = self.write("scenes/s.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene:\n  - mesh: {file: ../tri.obj}\n")
+        result = self.run_alone("check", scene)
+        self.assertEqual(result.code, 0, result.stderr)
+        self.assertIn("outside of the scene's folder:\n", result.stderr)
+        self.assertIn("tri.obj", result.stderr.split("folder:")[1])
+        self.assertIn("no problems found", result.stderr)
+        (self.folder / "scenes" / "tri.obj").write_text(obj.read_text())
+        scene.write_text(scene.read_text().replace("../tri", "tri"))
+        self.assertNotIn("outside", self.run_alone("check", scene).stderr)
+
+    def test_only_regular_files_are_read(self):
+        view = "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\n"
+        os.mkfifo(self.folder / "pipe.nff")
+        (self.folder / "folder.nff").mkdir()
+        (self.folder / "zero.nff").symlink_to("/dev/zero")
+        with socket.socket(socket.AF_UNIX) as listening:
+            listening.bind(str(self.folder / "socket.nff"))
+            for name in ("pipe", "folder", "zero", "socket"):
+                for extension in ("obj", "mtl", "ies", "png"):
+                    (self.folder / f"{name}.{extension}").symlink_to(self.folder / f"{name}.nff")
+                self.write("library.obj", f"mtllib {name}.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+                for text in (f"scene: [{{mesh: {{file: {name}.obj}}}}]", "scene: [{mesh: {file: library.obj}}]",
+                             f"textures: {{a: {{kind: image, file: {name}.png}}}}\nscene: []",
+                             f"lights: [{{position: [0, 0, 1], ies: {name}.ies}}]\nscene: []"):
+                    result = self.run_alone("check", self.write("s.yaml", view + text + "\n"), limit=20)
+                    self.assertEqual(result.code, 3, result.stderr)
+                    self.assertRegex(result.stderr, r"(s\.yaml:2|library\.obj:1):\d+: .*(not a regular file|is a folder)")
+                result = self.run_alone("check", self.folder / f"{name}.nff", limit=20)
+                self.assertEqual(result.code, 3, result.stderr)
+                self.assertRegex(result.stderr, "not a regular file|is a folder")
 
     def test_info(self):
         result = self.run_alone("info", SCENE)

@@ -81,12 +81,12 @@ TEST(Farm, EveryPolicyAndWireAssemblesThePicture) {
     for (const auto wire : {Wire::block, Wire::pixel}) {
       const FarmRun run = run_farm(3, {4, 9}, policy, wire, [](int, const DisplayPolygon&) { return false; });
       EXPECT_EQ(run.result.frames_failed(), 0u);
-      const ReadImage image = read_image(run.result.frames[1].file);
+      const std::vector<float> pixels = test::read_pixels(run.result.frames[1].file);
       for (size_t y = 0; y < 30; ++y)
         for (size_t x = 0; x < 40; ++x) {
-          EXPECT_NEAR(image.pixels[3 * (y * 40 + x)] * 255, static_cast<float>(x), 0.01);
-          EXPECT_NEAR(image.pixels[3 * (y * 40 + x) + 1] * 255, static_cast<float>(y), 0.01);
-          EXPECT_NEAR(image.pixels[3 * (y * 40 + x) + 2] * 255, 9.0f, 0.01);
+          EXPECT_NEAR(pixels[3 * (y * 40 + x)] * 255, static_cast<float>(x), 0.01);
+          EXPECT_NEAR(pixels[3 * (y * 40 + x) + 1] * 255, static_cast<float>(y), 0.01);
+          EXPECT_NEAR(pixels[3 * (y * 40 + x) + 2] * 255, 9.0f, 0.01);
         }
       EXPECT_EQ(run.result.rays[0], 2u * 40 * 30);
     }

@@ -10,6 +10,7 @@
 #include "common/image/half_float.h"
 #include "common/image/image_file.h"
 #include "common/scene/input_error.h"
+#include "common/textures/image_texture.h"
 #include "test_scene.h"
 
 namespace rayfarm {
@@ -59,11 +60,11 @@ TEST(ImageFiles, SayWhatTheyHold) {
       EXPECT_EQ(info.window, image.window);
     }
     // And the pixels are where they belong, whatever module reads them.
-    const ReadImage back = read_image(path);
-    ASSERT_EQ(back.pixels.size(), 3u * 50 * 70);
+    const std::vector<float> back = test::read_pixels(path);
+    ASSERT_EQ(back.size(), 3u * 50 * 70);
     for (const size_t pixel : {size_t{0}, size_t{49}, size_t{50 * 64}, size_t{3499}})
       for (size_t c = 0; c < 3; ++c) {
-        const double read = static_cast<double>(back.pixels[3 * pixel + c]);
+        const double read = static_cast<double>(back[3 * pixel + c]);
         EXPECT_NEAR(format == PixelFormat::rgb8 ? decode_srgb(read) : read, channel_value(image, pixel, c),
                     1e-6);
       }
@@ -92,6 +93,60 @@ TEST(ImageFiles, WhatIsNotWholeIsFound) {
     EXPECT_THROW(read_image_info(path), IoError);
   }
   EXPECT_THROW(check_image_whole("/nowhere/a.png"), IoError);
+}
+
+TEST(ImageFiles, HeadersAreNotBelieved) {
+  // A PNG whose header claims other sizes: four bytes each, and their sum to check them by.
+  const std::string path = test::write_temporary("claims.png", "");
+  write_image(path, make_crop(PixelFormat::rgb8), {});
+  const std::string whole = bytes_of(path);
+  const auto claim = [&](uint32_t width, uint32_t height) {
+    std::string bytes = whole;
+    const auto put = [&bytes](size_t at, uint32_t value) {
+      for (size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (24 - 8 * i));
+    };
+    put(16, width);
+    put(20, height);
+    uint32_t crc = ~0u;
+    for (size_t i = 12; i < 29; ++i) {
+      crc ^= static_cast<uint8_t>(bytes[i]);
+      for (int k = 0; k < 8; ++k) crc = crc & 1 ? crc >> 1 ^ 0xedb88320u : crc >> 1;
+    }
+    put(29, ~crc);
+    write_bytes(path, bytes);
+  };
+  const auto error = [&] {
+    Texture texture;
+    try {
+      load_texels(path, texture, limits::kTexturePixels);
+    } catch (const IoError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  claim(50, 70);
+  EXPECT_EQ(error(), "");
+  claim(30000, 20000);  // 7 GB as floats
+  EXPECT_NE(error().find("30000 × 20000 pixels"), std::string::npos) << error();
+  EXPECT_NE(error().find(fmt::format("{} bytes", whole.size())), std::string::npos) << error();
+  claim(50, 700);  // could be, but is not
+  EXPECT_NE(error(), "");
+  write_bytes(path, whole);
+  try {
+    ImageReader(path, 3499);
+    FAIL() << "3500 pixels were read";
+  } catch (const IoError& e) {
+    EXPECT_NE(std::string(e.what()).find("more than the 3499"), std::string::npos) << e.what();
+  }
+}
+
+TEST(ImageFiles, LoadingThemStops) {
+  const std::string path = test::write_temporary("stop.png", "");
+  write_image(path, make_crop(PixelFormat::rgb8), {});
+  std::stop_source stop;
+  stop.request_stop();
+  Texture texture;
+  EXPECT_THROW(load_texels(path, texture, limits::kTexturePixels, stop.get_token()), Stopped);
 }
 
 class WholeFiles : public testing::Test {

@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "common/image/image_file.h"
 #include "common/scene/compile.h"
 
 namespace rayfarm::test {
@@ -35,6 +36,17 @@ inline std::string error_of(const std::string& text, const std::string& name = "
     return e.what();
   }
   return "";
+}
+
+/// All pixels of an image, height × width × 3, as its file holds them.
+inline std::vector<float> read_pixels(const std::string& path) {
+  ImageReader reader(path, 1 << 20);
+  std::vector<float> pixels;
+  for (int y = 0; y < reader.height_px(); ++y) {
+    const auto row = reader.next_row();
+    pixels.insert(pixels.end(), row.begin(), row.end());
+  }
+  return pixels;
 }
 
 inline double uniform(std::mt19937& random, double low, double high) {

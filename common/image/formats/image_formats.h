@@ -2,21 +2,35 @@
 // Reading images of many formats with OpenImageIO. It stands in a module of its own, loaded by the process
 // that first reads an image: OpenImageIO and the libraries behind it take 31 MB and a third of a second to
 // start, and a node, which opens no file, needs none of them.
+#include <cstdint>
+#include <memory>
 #include <string>
-#include <vector>
 
 namespace rayfarm {
 
-/// An image as its file holds it, in whatever encoding.
-struct ReadImage {
+/// An image opened for reading, its values as its file holds them, in whatever encoding.
+class ImageSource {
+ public:
+  virtual ~ImageSource() = default;
   int width_px = 0, height_px = 0;
-  std::vector<float> pixels;  ///< height × width × 3, row-major, origin top left
+  int rows_at_once = 1;  ///< what `read_rows` wants, but for the last rows
+
+  /// Reads the first three channels of `count` rows from `y` on: count × width × 3, row-major. Rows are read
+  /// once each, from the top. Returns what went wrong, or nothing.
+  virtual std::string read_rows(int y, int count, float* rgb) = 0;
 };
 
-/// Reads the first three channels of any image. Returns what went wrong, or nothing.
-using ReadImageFunction = std::string(const std::string& path, ReadImage& image);
+struct OpenedImage {
+  std::unique_ptr<ImageSource> source;
+  std::string problem;  ///< if there is no source
+};
 
-/// The module's one symbol, a ReadImageFunction.
-inline constexpr const char* kReadImageSymbol = "rayfarm_read_image";
+/// Opens what `descriptor` has open, which must stay open. `name`: of the file, whose extension says which
+/// format is likely. A file that claims more pixels than `most_pixels` is refused, where its format allows it
+/// before they are decoded.
+using OpenImageFunction = OpenedImage(int descriptor, const std::string& name, uint64_t most_pixels);
+
+/// The module's one symbol, an OpenImageFunction.
+inline constexpr const char* kOpenImageSymbol = "rayfarm_open_image";
 
 }  // namespace rayfarm
