@@ -3,6 +3,7 @@
 // and in the conservative boxes of the hierarchy.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/glm.hpp>
 
 namespace rayfarm {
@@ -22,6 +23,11 @@ inline double max_component(const Vec3& v) {
 }
 inline double max_magnitude(const Vec3& v) {
   return max_component(glm::abs(v));
+}
+/// 0, 1 or 2: the axis along which a plane of this normal is seen best.
+inline uint32_t largest_axis(const Vec3& v) {
+  const Vec3 m = glm::abs(v);
+  return m.x > m.y ? (m.x > m.z ? 0 : 2) : (m.y > m.z ? 1 : 2);
 }
 
 /// 0 below `low`, 1 above `high`, a cubic without a kink between.

@@ -339,8 +339,7 @@ class Compiler {
     polygon.point_count = static_cast<uint32_t>(shape.points.size());
     polygon.smoothing = smoothing;
     polygon.material = p.material;
-    const Vec3 n = glm::abs(polygon.normal);
-    polygon.drop_axis = n.x > n.y ? (n.x > n.z ? 0 : 2) : (n.y > n.z ? 1 : 2);
+    polygon.drop_axis = largest_axis(polygon.normal);
     arrays_.polygon_points.insert(arrays_.polygon_points.end(), shape.points.begin(), shape.points.end());
     if (smoothing != static_cast<uint32_t>(Smoothing::flat)) {
       polygon.first_normal = static_cast<uint32_t>(arrays_.polygon_normals.size());

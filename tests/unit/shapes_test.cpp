@@ -90,8 +90,7 @@ Polygon make_polygon(std::span<const Vec3> points) {
   p.normal = normalized(newell_normal(points));
   p.distance = glm::dot(p.normal, points[0]);
   p.point_count = static_cast<uint32_t>(points.size());
-  const Vec3 n = glm::abs(p.normal);
-  p.drop_axis = n.x > n.y ? (n.x > n.z ? 0 : 2) : (n.y > n.z ? 1 : 2);
+  p.drop_axis = largest_axis(p.normal);
   return p;
 }
 
