@@ -129,7 +129,7 @@ class Loader {
       records_.fail(fmt::format("`{}` colours are not read; write red, green and blue", kind));
     }
     glm::vec3 c(number());  // one number is grey
-    if (records_.has_number()) {
+    if (records_.has_more() && !records_.peek().starts_with('#')) {
       c.y = number();
       c.z = number();
     }
@@ -175,7 +175,7 @@ class Loader {
 
   /// Materials that name the same image in the same place share it.
   uint32_t texture(const std::string& name, const Vec2& offset, const Vec2& scale, const SourcePlace& place) {
-    const std::string file = (std::filesystem::path(path_).parent_path() / name).string();
+    const std::string file = (std::filesystem::path(path_).parent_path() / name).lexically_normal().string();
     TextureDescription texture;
     texture.name = "map_Kd " + file;
     texture.scale = Vec3(1.0 / scale.x, 1.0 / scale.y, 1);

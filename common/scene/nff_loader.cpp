@@ -2,6 +2,7 @@
 // line.
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "common/scene/scene_loaders.h"
 
@@ -109,6 +110,13 @@ void read_view(Tokens& tokens, ViewDescription& view) {
   view.aspect = 1;
 }
 
+/// A negative radius means that only the inside is visible.
+double read_radius(Tokens& tokens, std::string_view what, bool& is_inside) {
+  const double radius = tokens.number(what);
+  is_inside = is_inside || radius < 0;
+  return std::abs(radius);
+}
+
 Shape read_polygon(Tokens& tokens, bool has_normals) {
   PolygonShape polygon;
   const int count = tokens.count("number of vertices", 3, limits::kPolygonPoints);
@@ -129,19 +137,24 @@ SceneDescription load_nff_scene(const std::string& path, const std::stop_token& 
   scene.objects.push_back({"nff", {}, {}, {0, 1, 1}});
   std::vector<PrimitiveDescription>& primitives = scene.objects[0].primitives;
   std::vector<bool> light_has_color;
-  bool has_view = false;
+  bool has_view = false, has_background = false, has_inside_note = false;
   const auto add = [&](Shape shape, const Place& place) {
     if (scene.materials.empty()) scene.materials.emplace_back("default");
     primitives.push_back({std::move(shape), static_cast<uint32_t>(scene.materials.size() - 1), place});
   };
 
   while (!tokens.at_end()) {
+    bool is_inside = false;
     const std::string_view record = tokens.next("a record");
     const Place place = tokens.place();
+    const auto note = [&](std::string_view what) { scene.notes.add(scene.source(place), what); };
     if (record == "v") {
+      if (has_view) note("this view takes the place of the one before it");
       read_view(tokens, scene.view);
       has_view = true;
     } else if (record == "b") {
+      if (has_background) note("this background takes the place of the one before it");
+      has_background = true;
       scene.background = tokens.vector("background colour");
     } else if (record == "l") {
       if (scene.lights.size() == limits::kLights) tokens.fail("too many lights");
@@ -163,14 +176,13 @@ SceneDescription load_nff_scene(const std::string& path, const std::stop_token& 
       scene.materials.push_back(m);
     } else if (record == "s") {
       const Vec3 center = tokens.vector("centre");
-      // A negative radius means that only the inside is visible; Rayfarm's surfaces have two sides.
-      add(SphereShape{center, std::abs(tokens.number("radius"))}, place);
+      add(SphereShape{center, read_radius(tokens, "radius", is_inside)}, place);
     } else if (record == "c") {
       ConeShape cone;
       cone.base = tokens.vector("base");
-      cone.base_radius = std::abs(tokens.number("base radius"));
+      cone.base_radius = read_radius(tokens, "base radius", is_inside);
       cone.apex = tokens.vector("apex");
-      cone.apex_radius = std::abs(tokens.number("apex radius"));
+      cone.apex_radius = read_radius(tokens, "apex radius", is_inside);
       add(cone, place);
     } else if (record == "p" || record == "pp") {
       add(read_polygon(tokens, record == "pp"), place);
@@ -178,6 +190,8 @@ SceneDescription load_nff_scene(const std::string& path, const std::stop_token& 
       tokens.fail(fmt::format("unknown record '{}'; NFF has v, b, l, f, c, s, p, pp and # comments",
                               record.substr(0, 40)));
     }
+    if (is_inside && !std::exchange(has_inside_note, true))
+      note("the sign of a negative radius is not used: surfaces are seen from both sides");
   }
   if (!has_view)
     throw InputError({path, 1, 1}, "the file has no view ('v' record), so there is nothing to render from");

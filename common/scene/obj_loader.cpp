@@ -8,6 +8,8 @@
 #include "common/scene/obj_records.h"
 #include "common/scene/scene_loaders.h"
 #include "common/scene/stoppable_text.h"
+#include "common/shapes/polygon.h"
+#include "common/shapes/triangulate.h"
 
 namespace rayfarm {
 namespace {
@@ -64,6 +66,23 @@ void read_mesh(const std::string& path, std::string_view text, const std::stop_t
     throw InputError({path}, error.empty() ? "not a readable OBJ file" : error);
 }
 
+using Triangles = std::vector<std::array<uint32_t, 3>>;
+
+/// A fan from the first corner where that covers the face once, as it does where the face is convex.
+void cut_face(std::span<const Vec3> points, Triangles& triangles) {
+  triangles.clear();
+  const Vec3 normal = newell_normal(points);
+  const double least =
+      -1e-6 * glm::dot(normal, normal);  // what overlaps by so little of the face is rounding
+  bool is_fan = true;
+  for (uint32_t i = 1; i + 1 < points.size(); ++i) {
+    is_fan =
+        is_fan && glm::dot(glm::cross(points[i] - points[0], points[i + 1] - points[0]), normal) >= least;
+    triangles.push_back({0, i, i + 1});
+  }
+  if (!is_fan) triangles = triangulate(points, normal);
+}
+
 }  // namespace
 
 PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& path, uint32_t material,
@@ -74,6 +93,12 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
   MeshShape mesh;
   mesh.smoothing = smoothing;
   Found found{mesh, {}, {}};
+  const ObjRecords::Counts& counts = records.counts();
+  mesh.positions.reserve(counts.vertices);
+  mesh.normals.reserve(counts.normals);
+  mesh.uvs.reserve(counts.uvs + 1);
+  found.corners.reserve(counts.corners);
+  found.sides.reserve(counts.faces);
   read_mesh(path, text, stop, found);
 
   for (size_t i = 0; i < mesh.positions.size(); ++i)
@@ -86,11 +111,21 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
   const auto exists = [](int index, size_t count) {
     return index >= 0 && static_cast<size_t>(index) < count;
   };
+  const size_t triangle_count = counts.corners - std::min(counts.corners, 2 * counts.faces);
+  mesh.triangles.reserve(triangle_count);
+  if (uv_count > 0) mesh.triangle_uvs.reserve(triangle_count);
+  mesh.triangle_normals.reserve(triangle_count);
+  mesh.materials.reserve(triangle_count);
+  std::vector<Vec3> points;
+  Triangles triangles;
   const tinyobj::index_t* corner = found.corners.data();
   for (size_t face = 0; face < found.sides.size(); corner += found.sides[face++]) {
     throw_if_stopped(stop);
     const size_t sides = found.sides[face];
     const uint32_t of_face = records.next_material();
+    if (sides > limits::kPolygonPoints)
+      throw InputError({path, line_of_face(text, face)},
+                       fmt::format("a face has at most {} corners", limits::kPolygonPoints));
     for (size_t i = 0; i < sides; ++i) {
       const int v = corner[i].vertex_index, n = corner[i].normal_index;
       if (!exists(v, vertex_count) || (n >= 0 && !exists(n, normal_count)))
@@ -99,13 +134,15 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
             fmt::format("the face names vertex {} and normal {}, but the file has {} vertices and {} normals",
                         v + 1, n + 1, vertex_count, normal_count));
     }
-    // A fan from the first corner: faces of OBJ files are convex by convention.
-    for (size_t i = 1; i + 1 < sides; ++i) {
-      const std::array<size_t, 3> fan{0, i, i + 1};
+    points.clear();
+    for (size_t i = 0; i < sides; ++i)
+      points.emplace_back(mesh.positions[static_cast<size_t>(corner[i].vertex_index)]);
+    cut_face(points, triangles);
+    for (const std::array<uint32_t, 3>& triangle : triangles) {
       glm::uvec3 v, n, uv;
       bool has_normals = smoothing != Smoothing::flat;
       for (int k = 0; k < 3; ++k) {
-        const tinyobj::index_t& index = corner[fan[static_cast<size_t>(k)]];
+        const tinyobj::index_t& index = corner[triangle[static_cast<size_t>(k)]];
         v[k] = static_cast<uint32_t>(index.vertex_index);
         n[k] = static_cast<uint32_t>(index.normal_index);
         uv[k] = static_cast<uint32_t>(

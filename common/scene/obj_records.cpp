@@ -48,12 +48,13 @@ uint32_t ObjRecords::next_material() {
 void ObjRecords::read_record() {
   const std::string_view key = records_.keyword();
   if (key == "v") {
-    ++vertices_;
+    ++counts_.vertices;
     if (read_numbers(3) >= 6) count_unused("a vertex's colour");
   } else if (key == "vn") {
-    ++normals_;
+    ++counts_.normals;
     read_numbers(3);
   } else if (key == "vt") {
+    ++counts_.uvs;
     read_numbers(1);
   } else if (key == "f") {
     read_face();
@@ -82,16 +83,17 @@ void ObjRecords::read_face() {
     if (const std::string_view word = records_.word(); !is_corner(word))
       records_.fail(fmt::format("expected a corner like 1, 1/2, 1//3 or 1/2/3, counted from 1, found '{}'",
                                 word.substr(0, 40)));
-  ++faces_;
+  ++counts_.faces;
+  counts_.corners += corners;
   if (corners < 3) count_unused("a face of fewer than three corners");
 }
 
 void ObjRecords::use_material(std::string_view name) {
   if (const auto found = ids_.find(name); found != ids_.end()) {
-    runs_.push_back({faces_, found->second});
+    runs_.push_back({counts_.faces, found->second});
     return;
   }
-  runs_.push_back({faces_, runs_.front().material});
+  runs_.push_back({counts_.faces, runs_.front().material});
   std::vector<std::string> names;
   for (const auto& [known, id] : ids_) names.push_back(known);
   count_unused(names.empty() ? "`usemtl`, as no `mtllib` before it defines a material,"

@@ -17,8 +17,11 @@ class ObjRecords {
   ObjRecords(SceneDescription& scene, std::string_view text, const std::string& path, uint32_t material,
              const std::stop_token& stop);
 
-  size_t vertices() const { return vertices_; }
-  size_t normals() const { return normals_; }
+  /// How many there are, to make room for them.
+  struct Counts {
+    size_t vertices = 0, normals = 0, uvs = 0, faces = 0, corners = 0;
+  };
+  const Counts& counts() const { return counts_; }
   /// True if edges between some faces are to stay sharp.
   bool has_smoothing_groups() const { return smoothing_groups_.size() > 1; }
   /// Of the next face, `f` record by `f` record.
@@ -53,7 +56,8 @@ class ObjRecords {
   std::vector<Run> runs_;
   std::vector<Unused> unused_;
   std::set<std::string, std::less<>> smoothing_groups_;
-  size_t vertices_ = 0, normals_ = 0, faces_ = 0, asked_ = 0, run_ = 0;
+  Counts counts_;
+  size_t asked_ = 0, run_ = 0;  ///< faces asked for so far, and the run of the last one
 };
 
 }  // namespace rayfarm

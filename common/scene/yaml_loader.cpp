@@ -228,7 +228,8 @@ class Loader {
     if (depth > limits::kNestingDepth)
       value.fail(fmt::format("objects are nested more than {} deep", limits::kNestingDepth));
     YamlMap map(value);
-    if (auto m = map.find("material")) material = find_material(*m);
+    const auto own_material = map.find("material");
+    if (own_material) material = find_material(*own_material);
     std::string name;
     if (auto n = map.find("name")) name = n->text();
     std::vector<TransformStep> transform;
@@ -243,6 +244,17 @@ class Loader {
     }
     read_content(map, value, target, material, depth);
     map.finish();
+    if (own_material && map.has("mesh")) note_idle_material(*own_material, material, target);
+  }
+
+  /// A mesh whose file gives every face a material needs none.
+  void note_idle_material(const YamlValue& value, uint32_t material, uint32_t object) {
+    const auto& mesh = std::get<MeshShape>(scene_.objects[object].primitives.back().shape);
+    if (std::find(mesh.materials.begin(), mesh.materials.end(), material) == mesh.materials.end())
+      scene_.notes.add(
+          scene_.source(value.place()),
+          fmt::format("material '{}' is not used: the mesh's file gives all faces their materials",
+                      value.text()));
   }
 
   uint32_t add_object(const std::string& name, const Place& place) {
