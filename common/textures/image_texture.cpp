@@ -44,7 +44,7 @@ class Level {
 
 void append_halves(std::span<const Color> row, std::vector<uint16_t>& texels) {
   for (const Color& color : row)
-    for (int c = 0; c < 3; ++c) texels.push_back(half_of_float(std::max(color[c], 0.0)));
+    for (int c = 0; c < 3; ++c) texels.push_back(half_of_float(std::max(0.0, color[c])));  // no number: 0
 }
 
 }  // namespace

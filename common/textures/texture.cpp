@@ -114,7 +114,8 @@ Color image_level(const Texture& t, std::span<const uint16_t> texels, uint32_t l
 Color image(const Texture& t, std::span<const uint16_t> texels, const Vec2& uv, double width_uv) {
   const Vec2 place(fraction(uv.x), fraction(uv.y));
   const double wide = std::max(1.0, width_uv * std::max(t.width_px, t.height_px));
-  const double level = std::min(portable_log(wide) / std::numbers::ln2, static_cast<double>(t.levels - 1));
+  // In this order: what is no number chooses the smallest level.
+  const double level = std::min(static_cast<double>(t.levels - 1), portable_log(wide) / std::numbers::ln2);
   const auto below = static_cast<uint32_t>(level);
   const double part = level - below;
   const Color fine = image_level(t, texels, below, place);

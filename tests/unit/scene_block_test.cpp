@@ -1,7 +1,12 @@
 #include "common/scene/scene_block.h"
 
+#include <cmath>
 #include <cstring>
+#include <functional>
 
+#include "common/hierarchy/builder.h"
+#include "common/hierarchy/traverser.h"
+#include "common/lighting/renderer.h"
 #include "common/scene/settings_codec.h"
 #include "tests/unit/test_scene.h"
 
@@ -31,23 +36,192 @@ TEST(SceneBlock, CompilingTwiceGivesTheSameBytes) {
   EXPECT_EQ(std::memcmp(a.block.data.get(), b.block.data.get(), a.block.size), 0);
 }
 
-TEST(SceneBlock, DamagedBytesEndInAnErrorOrInAValidScene) {
-  const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/animation.yaml"));
-  std::mt19937 random(3);
-  int errors = 0;
-  for (int i = 0; i < 3000; ++i) {
-    SceneBlock damaged = copy_of(compiled.block.bytes());
-    for (int k = 0; k < 4; ++k)
-      damaged.data.get()[random() % damaged.size] = static_cast<std::byte>(random());
+/// A scene with something in every array.
+CompiledScene compile_everything() {
+  Image sky{4, 2, {0, 0, 4, 2}, PixelFormat::rgb8, {}};
+  for (int i = 0; i < 24; ++i) sky.pixels.push_back(static_cast<std::byte>(10 * i));
+  write_image(test::write_temporary("sky.png", ""), sky, {});
+  test::write_temporary("lamp.ies", "TILT=NONE\n1 1 1 2 1 1 1 0 0 0\n1 1 1\n0 180\n0\n5 7\n");
+  test::write_temporary(
+      "mesh.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\n");
+  std::string text = R"(
+view: {location: {0: [0, 0, 6], 4: [1, 0, 6]}, look_at: [0, 0, 0], lens: {radius: 0.01, focus: 6}}
+environment: {file: sky.png}
+textures: {image: {kind: image, file: sky.png}, boards: {kind: boards}}
+materials:
+  painted: {color: 0.7, reflect: 0.1, texture: image, bump: {texture: boards, height: 0.01}}
+  gold: {conductor: gold}
+  glass: {dielectric: glass}
+  lamp: {luminaire: {emission: 3}}
+lights: [{position: [2, 3, 4]}, {position: [0, 4, 0], ies: lamp.ies}]
+objects: {pair: [{sphere: {center: [0, 0, 0], radius: 0.3}}, {sphere: {center: [1, 0, 0], radius: 0.3}}]}
+frames: [0, 4]
+scene:
+  - {material: painted, mesh: {file: mesh.obj, smooth: phong}}
+  - {material: lamp, polygon: {points: [[-1, 2, 0], [1, 2, 0], [1, 2, 1], [-1, 2, 1]]}}
+  - {material: lamp, sphere: {center: [-2, 2, 0], radius: 0.2}}
+  - {material: glass, quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, 0, 0, -0.2], planes: [[0, 1, 0, 0]]}}
+  - polygon: {points: [[-3, -1, -3], [3, -1, -3], [3, -1, 3], [0, -1, 0], [-3, -1, 3]],
+              normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]]}
+  - {material: gold, use: pair, transform: [{rotate: {axis: [0, 0, 1], degrees: {0: 0, 4: 90}}}, {translate: [0, 1, 0]}]}
+  - {use: pair, transform: {orient: {0: {axis: [0, 1, 0], degrees: 0}, 4: {axis: [0, 1, 0], degrees: 90}}}}
+)";
+  for (int i = 0; i < 12; ++i)
+    text += fmt::format("  - {{sphere: {{center: [{}, {}, -1], radius: 0.2}}}}\n", i % 4 - 1.5, i / 4 - 1.5);
+  return compile(test::load_yaml(text));
+}
+
+/// Every array that a test of damage must reach holds something.
+TEST(SceneBlock, TheSceneOfTheseTestsFillsEveryArray) {
+  const CompiledScene compiled = compile_everything();
+  for_each_array(compiled.scene, [](const char* name, auto array) { EXPECT_FALSE(array.empty()) << name; });
+}
+
+void render_a_little(const Scene& scene) {
+  for (const LightingModel model : {LightingModel::whitted, LightingModel::path}) {
+    RenderSettings settings;
+    settings.width_px = 12;
+    settings.height_px = 8;
+    settings.crop = {0, 0, 12, 8};
+    settings.lighting = model;
+    settings.max_depth = 3;
     try {
-      decode_scene(damaged.bytes());
+      Renderer(scene, settings).render(2, settings.crop, [] {});
+    } catch (const std::domain_error&) {  // a view or pose that can't be
+    }
+  }
+}
+
+TEST(SceneBlock, DamagedBytesEndInAnErrorOrInASceneThatCanBeRendered) {
+  const CompiledScene compiled = compile_everything();
+  std::vector<std::pair<size_t, size_t>> arrays;  // where each lies, and its size
+  for_each_array(compiled.scene, [&](const char*, auto array) {
+    arrays.emplace_back(reinterpret_cast<const std::byte*>(array.data()) - compiled.block.data.get(),
+                        array.size_bytes());
+  });
+  std::mt19937 random(3);
+  int errors = 0, rendered = 0;
+  for (int i = 0; i < 4000; ++i) {
+    SceneBlock damaged = copy_of(compiled.block.bytes());
+    // In each array alike, however short; words, halves of numbers, and bytes.
+    for (int k = 0; k <= i % 12; ++k) {
+      const auto [begin, size] = arrays[random() % arrays.size()];
+      static constexpr uint32_t kValues[] = {0, 1, 0xffffffffu, 0x7fffffffu, 0x7ff80000u, 0x3ff00000u};
+      const uint32_t value = random() % 2 ? kValues[random() % 6] : static_cast<uint32_t>(random());
+      const size_t at = random() % size / 4 * 4;
+      std::memcpy(damaged.data.get() + begin + at, &value, std::min<size_t>(size - at, random() % 2 ? 4 : 1));
+    }
+    try {
+      render_a_little(decode_scene(damaged.bytes()));
+      ++rendered;
     } catch (const SceneBlockError&) {
       ++errors;
     }
   }
   EXPECT_GT(errors, 300);
+  EXPECT_GT(rendered, 300);
   for (size_t size = 0; size < compiled.block.size; size += 977)
     EXPECT_THROW(decode_scene(copy_of(compiled.block.bytes().first(size)).bytes()), SceneBlockError);
+}
+
+/// Expects that the scene is refused when `damage` has been done to the first element of an array for which
+/// it returns true.
+template <typename T>
+void expect_refusal(const CompiledScene& compiled, std::span<const T> Scene::*array,
+                    const std::function<bool(T&)>& damage, const char* what) {
+  SceneBlock copy = copy_of(compiled.block.bytes());
+  const std::span<const T> elements = decode_scene(copy.bytes()).*array;
+  const auto damaged = std::find_if(elements.begin(), elements.end(),
+                                    [&](const T& element) { return damage(const_cast<T&>(element)); });
+  ASSERT_NE(damaged, elements.end()) << what;
+  EXPECT_THROW(decode_scene(copy.bytes()), SceneBlockError) << what;
+}
+
+TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
+  const CompiledScene compiled = compile_everything();
+  const auto slot_of = [](VolumeNode& node, ChildKind kind) {
+    size_t slot = 0;
+    while (slot < 8 && node.children[slot].kind() != kind) ++slot;
+    return slot;
+  };
+  expect_refusal<VolumeNode>(
+      compiled, &Scene::object_part_nodes,
+      [&](VolumeNode& node) {
+        const size_t slot = slot_of(node, ChildKind::empty);
+        if (slot == 8) return false;
+        for (size_t axis = 0; axis < 3; ++axis)
+          node.planes[0][axis][slot] = -9, node.planes[1][axis][slot] = 9;
+        return true;
+      },
+      "an empty child with a box");
+  expect_refusal<VolumeNode>(
+      compiled, &Scene::object_part_nodes,
+      [&](VolumeNode& node) {
+        const size_t slot = slot_of(node, ChildKind::empty);
+        if (slot < 8) node.children[slot].first = 1u << 30;
+        return slot < 8;
+      },
+      "an empty child that leads somewhere");
+  expect_refusal<SphereBlock>(
+      compiled, &Scene::sphere_blocks,
+      [](SphereBlock& block) {
+        for (size_t lane = 0; lane < 8; ++lane)
+          if (block.spheres[lane] != kNone) return block.spheres[lane] = kNone, true;
+        return false;
+      },
+      "a lane of no sphere with live numbers");
+  expect_refusal<TriangleBlock>(
+      compiled, &Scene::triangle_blocks,
+      [](TriangleBlock& block) { return block.primitives[0] = kNoPrimitive, true; },
+      "a lane of no triangle with live numbers");
+  expect_refusal<TriangleShading>(
+      compiled, &Scene::triangle_shading,
+      [](TriangleShading& t) {
+        return t.normals = {0, kNone, kNone}, true;
+      },
+      "a triangle with one normal");
+  expect_refusal<Texture>(
+      compiled, &Scene::textures,
+      [](Texture& t) {
+        t.width_px = t.height_px = 1u << 31;
+        t.levels = 1;
+        return t.kind == TextureKind::image;
+      },
+      "a number of texels that wraps");
+  expect_refusal<double>(
+      compiled, &Scene::key_frames, [](double& frame) { return frame = NAN, true; }, "a key at no frame");
+  expect_refusal<double>(
+      compiled, &Scene::light_shares, [](double& share) { return share = -1, true; }, "a negative share");
+  expect_refusal<double>(
+      compiled, &Scene::environment_shares, [](double& share) { return share = NAN, true; },
+      "a share that is no number");
+}
+
+TEST(SceneBlock, TreesAreNoDeeperThanATraverserCanGoAndNoNodeHasTwoParents) {
+  const CompiledScene compiled =
+      compile(test::load_yaml(test::view_text() + "scene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n"));
+  ASSERT_TRUE(compiled.scene.nodes.empty());
+  // The part's one leaf below a chain of nodes, each of which leads to the next `ways` times.
+  const auto encode_chain = [&](uint32_t count, size_t ways) {
+    std::vector<VolumeNode> nodes(count, make_empty_node());
+    Part part = compiled.scene.parts[0];
+    for (uint32_t i = 0; i < count; ++i)
+      for (size_t slot = 0; slot < (i + 1 < count ? ways : 1); ++slot)
+        set_child(nodes[i], slot, part.bounds,
+                  i + 1 < count ? make_child(ChildKind::inner, i + 1) : part.root);
+    part.root = make_child(ChildKind::inner, 0);
+    Scene scene = compiled.scene;
+    scene.nodes = nodes;
+    scene.parts = std::span(&part, 1);
+    return encode_scene(scene);
+  };
+  const SceneBlock deepest = encode_chain(kMostHierarchyLevels - 1, 1);
+  const Scene scene = decode_scene(deepest.bytes());
+  FramePose pose(scene);
+  EXPECT_TRUE(closest_hit(scene, pose.at(0), {{0, 0, 5}, {0, 0, -1}}).is_hit());
+  EXPECT_THROW(decode_scene(encode_chain(kMostHierarchyLevels, 1).bytes()), SceneBlockError);
+  EXPECT_THROW(decode_scene(encode_chain(10, 2).bytes()), SceneBlockError) << "2^10 ways to one leaf";
 }
 
 TEST(Settings, ThereAndBack) {
