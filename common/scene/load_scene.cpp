@@ -1,8 +1,10 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <set>
 
 #include "common/files/regular_file.h"
+#include "common/image/image_file.h"
 #include "common/scene/scene_loaders.h"
 
 namespace rayfarm {
@@ -23,6 +25,19 @@ const char* wide_encoding(std::string_view text) {
   if (begin.starts_with("\xff\xfe"sv) || begin.starts_with("\xfe\xff"sv) || zeros("x0") || zeros("0x"))
     return "UTF-16";
   return nullptr;
+}
+
+/// What to do with a file that is no scene.
+std::string advice_for(const std::string& path, const std::string& extension) {
+  static const std::set<std::string> kOtherMeshes{".3ds", ".abc",  ".blend", ".dae", ".fbx",
+                                                  ".glb", ".gltf", ".off",   ".ply", ".stl",
+                                                  ".usd", ".usda", ".usdc",  ".usdz"};
+  const bool is_other = kOtherMeshes.contains(extension);
+  if (extension != ".obj" && !is_other) return "";
+  std::filesystem::path mesh = std::filesystem::path(path).filename();
+  if (is_other) mesh.replace_extension(".obj");
+  return fmt::format("; {} .obj mesh{} goes into a .yaml scene: `- mesh: {{file: {}}}`",
+                     is_other ? "export it as an" : "an", is_other ? ", which" : "", mesh.string());
 }
 
 }  // namespace
@@ -58,17 +73,15 @@ std::string read_text_file(const std::string& path, uintmax_t max_bytes, const s
 }
 
 SceneDescription load_scene(const std::string& path, const std::stop_token& stop) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = extension_of(path);
   SceneDescription scene;
   if (extension == ".yaml" || extension == ".yml")
     scene = load_yaml_scene(path, stop);
   else if (extension == ".nff")
     scene = load_nff_scene(path, stop);
   else
-    throw IoError(
-        fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff (an .obj mesh goes into a "
-                    ".yaml scene: `- mesh: {{file: {}}}`)",
-                    path, extension, std::filesystem::path(path).filename().string()));
+    throw IoError(fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff{}", path,
+                              extension, advice_for(path, extension)));
   validate(scene, stop);
   return scene;
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 
+#include "common/image/image_file.h"
 #include "common/math/portable_math.h"
 #include "common/scene/scene_loaders.h"
 #include "common/scene/stoppable_text.h"
@@ -121,6 +122,8 @@ class Loader {
     if (auto v = map.find("objects")) read_definitions(*v);
     scene_.objects.push_back({"scene", {}, {}, {0, 1, 1}});
     scene_.root = static_cast<uint32_t>(scene_.objects.size() - 1);
+    map.refuse("camera",
+               "the camera is `view: {location: [0, 0, 5], look_at: [0, 0, 0], field_of_view: 45}`");
     read_children(map.require("scene"), scene_.root, 0, 0);
     map.finish();
     return std::move(scene_);
@@ -191,6 +194,10 @@ class Loader {
   }
 
   uint32_t find_material(const YamlValue& value) {
+    if (value.is_map())
+      value.fail(
+          "`material` names one that is defined under `materials`: `materials: {red: {color: [1, 0, 0]}}` at "
+          "the top of the file, and `material: red` here");
     const std::string name = value.text();
     for (size_t i = 1; i < material_names_.size(); ++i)
       if (material_names_[i] == name) return static_cast<uint32_t>(i);
@@ -313,6 +320,11 @@ class Loader {
       if (auto v = map.find("scale"))
         steps.push_back({TransformKind::scale, read_curve(*v, Interpolation::linear, read_scale), {}, {}});
       if (auto v = map.find("rotate")) {
+        if (!v->is_map())
+          v->fail(
+              "a rotation is about one axis: `rotate: {axis: [0, 1, 0], degrees: 90}`; for several write a "
+              "list of "
+              "steps");
         YamlMap rotate(*v);
         TransformStep step{TransformKind::rotate, {}, rotate.require("axis").direction(), {}};
         step.curve = read_curve(rotate.require("degrees"), Interpolation::linear, read_number);
@@ -460,7 +472,8 @@ class Loader {
     const Smoothing smoothing = read_smoothing(map, Smoothing::flat);
     map.finish();
     const std::filesystem::path path = std::filesystem::path(path_).parent_path() / file.text();
-    if (path.extension() != ".obj") file.fail("a mesh is read from an .obj file");
+    if (extension_of(path.string()) != ".obj")
+      file.fail("a mesh is read from an .obj file; export it as one");
     try {
       scene_.objects[object].primitives.push_back(
           load_obj_mesh(scene_, path.string(), material, smoothing, value.place(), value.stop()));

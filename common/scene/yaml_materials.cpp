@@ -46,6 +46,11 @@ Color read_albedo(YamlMap& map, const char* key, const Color& fallback, bool is_
 }
 
 uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescription>& textures) {
+  if (value.is_map())
+    value.fail(
+        "`texture` names one that is defined under `textures`: `textures: {wall: {kind: bricks}}` at the top "
+        "of the "
+        "file, and `texture: wall` here");
   const std::string name = value.text();
   std::vector<std::string> names;
   for (const TextureDescription& texture : textures) {

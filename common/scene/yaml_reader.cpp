@@ -4,12 +4,28 @@
 
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <set>
 
+#include "common/image/pixel_format.h"
+
 namespace rayfarm {
+namespace {
+
+/// The colour that pages of the web write as #rrggbb.
+std::optional<Color> color_of_code(const std::string& text) {
+  uint32_t bits = 0;
+  if (text.size() != 7 || text.front() != '#') return std::nullopt;
+  const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), bits, 16);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  const auto channel = [bits](int shift) { return decode_srgb8(static_cast<uint8_t>(bits >> shift & 0xff)); };
+  return Color(channel(16), channel(8), channel(0));
+}
+
+}  // namespace
 
 YamlValue::YamlValue(const YAML::Node& node, std::string what, const std::string& file, YamlBudget& budget)
-    : node_(node), what_(std::move(what)), file_(&file), budget_(&budget) {
+    : node_(node), mark_(node.Mark()), what_(std::move(what)), file_(&file), budget_(&budget) {
   if (budget.nodes_left == 0) fail("the document expands to too many values (do its anchors multiply?)");
   --budget.nodes_left;
   throw_if_stopped(budget.stop);
@@ -21,8 +37,7 @@ void YamlValue::fail(const std::string& problem) const {
 }
 
 Place YamlValue::place() const {
-  const YAML::Mark mark = node_.Mark();
-  return {0, mark.line + 1, mark.column + 1};
+  return {0, mark_.line + 1, mark_.column + 1};
 }
 
 double YamlValue::number() const {
@@ -81,13 +96,25 @@ Vec3 YamlValue::direction() const {
 }
 
 Color YamlValue::color() const {
+  const auto fail_as_no_color = [this](const std::string& found) {
+    fail(
+        fmt::format("{} must be [red, green, blue] in linear light, or one number for grey{}", what_, found));
+  };
   Color c;
-  if (node_.IsScalar())
-    c = Color(number());
-  else if (node_.IsSequence() && node_.size() == 3)
+  if (node_.IsSequence() && node_.size() == 3) {
     c = vector();
-  else
-    fail(fmt::format("{} must be [red, green, blue] or one number for grey", what_));
+  } else if (node_.IsNull()) {
+    fail_as_no_color("; nothing stands here (what follows a # is a comment)");
+  } else if (!node_.IsScalar()) {
+    fail_as_no_color("");
+  } else if (const auto coded = color_of_code(node_.Scalar())) {
+    fail_as_no_color(
+        fmt::format("; '{}' is [{:.4g}, {:.4g}, {:.4g}]", node_.Scalar(), coded->x, coded->y, coded->z));
+  } else if (node_.Scalar().find_first_of("0123456789") == std::string::npos) {
+    fail_as_no_color(fmt::format(", not '{}'", node_.Scalar().substr(0, 40)));
+  } else {
+    c = Color(number());
+  }
   if (c.x < 0 || c.y < 0 || c.z < 0) fail(fmt::format("{} must not be negative", what_));
   return c;
 }
@@ -127,6 +154,8 @@ std::vector<std::pair<YamlValue, YamlValue>> YamlValue::entries() const {
     YamlValue key(entry.first, "a key", *file_, *budget_);
     if (!entry.first.IsScalar()) key.fail("a key must be a word");
     result.emplace_back(key, YamlValue(entry.second, entry.first.Scalar(), *file_, *budget_));
+    // Nothing stands nowhere: the library gives it the place of what comes next.
+    if (entry.second.IsNull()) result.back().second.mark_ = entry.first.Mark();
   }
   return result;
 }
@@ -160,6 +189,12 @@ YamlValue YamlMap::require(const std::string& key) {
       entries_[i].first.fail(
           fmt::format("unknown key '{}' in {}; did you mean '{}'?", names_[i], value_.what(), key));
   value_.fail(fmt::format("{} needs the key '{}'", value_.what(), key));
+}
+
+void YamlMap::refuse(const std::string& key, const std::string& advice) const {
+  for (size_t i = 0; i < names_.size(); ++i)
+    if (names_[i] == key)
+      entries_[i].first.fail(fmt::format("unknown key '{}' in {}: {}", key, value_.what(), advice));
 }
 
 void YamlMap::finish() const {

@@ -51,6 +51,7 @@ class YamlValue {
 
  private:
   YAML::Node node_;
+  YAML::Mark mark_;
   std::string what_;
   const std::string* file_;
   YamlBudget* budget_;
@@ -64,6 +65,8 @@ class YamlMap {
   bool has(const std::string& key);
   YamlValue require(const std::string& key);
   std::optional<YamlValue> find(const std::string& key);
+  /// Throws if the key is there, which means something elsewhere; `advice` says what is written here.
+  void refuse(const std::string& key, const std::string& advice) const;
   /// Throws at the first key that was never asked for.
   void finish() const;
 

@@ -77,6 +77,81 @@ TEST(YamlLoader, ErrorsSayWhereWhatAndWhatToDo) {
   expect_error(view_text() + "scene: []\nscene: []\n", "scene.yaml:3:1", "twice");
 }
 
+TEST(YamlLoader, HabitsOfOtherProgramsGetTheWayToWriteIt) {
+  expect_error(view_text() + "scene: [{material: {color: 1}, sphere: {center: [0, 0, 0], radius: 1}}]\n",
+               "scene.yaml:2:20", "defined under `materials`");
+  expect_error(view_text() + "materials: {m: {texture: {kind: wood}}}\nscene: []\n", "scene.yaml:2:26",
+               "defined under `textures`");
+  expect_error(view_text() + "background: '#ff8000'\nscene: []\n", "scene.yaml:2:13",
+               "'#ff8000' is [1, 0.2159, 0]");
+  expect_error(view_text() + "background: #ff8000\nscene: []\n", "scene.yaml:2:1", "is a comment");
+  expect_error(view_text() + "background: red\nscene: []\n", "scene.yaml:2:13", "[red, green, blue]");
+  expect_error(view_text() + "background: 1x\nscene: []\n", "scene.yaml:2:13", "must be a number, not '1x'");
+  expect_error(view_text() + "scene: [{group: [], transform: {rotate: [0, 90, 0]}}]\n", "scene.yaml:2:41",
+               "`rotate: {axis: [0, 1, 0], degrees: 90}`");
+  expect_error("camera: {location: [0, 0, 5]}\nscene: []\n", "scene.yaml:1:1", "`view: {location:");
+  expect_error(view_text() + "scene: [{mesh: {file: fox.gltf}}]\n", "scene.yaml:2:23", ".obj");
+}
+
+TEST(Loading, AdviceForOtherFormatsWorks) {
+  const auto advice = [](const std::string& name) {
+    try {
+      load_scene(name);
+    } catch (const IoError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(advice("a/cow.obj").find("an .obj mesh goes into a .yaml scene: `- mesh: {file: cow.obj}`"),
+            std::string::npos);
+  EXPECT_NE(advice("a/fox.GLTF")
+                .find("export it as an .obj mesh, which goes into a .yaml scene: `- mesh: {file: fox.obj}`"),
+            std::string::npos)
+      << advice("a/fox.GLTF");
+  EXPECT_EQ(advice("picture.png").find("mesh"), std::string::npos);
+}
+
+/// ASCII in a wider encoding of `bytes` each.
+std::string widened(const std::string& text, size_t bytes, bool is_big_endian, const std::string& mark) {
+  std::string wide = mark;
+  for (const char c : text) {
+    std::string one(bytes, '\0');
+    one[is_big_endian ? bytes - 1 : 0] = c;
+    wide += one;
+  }
+  return wide;
+}
+
+TEST(Loading, EncodingsAreRecognised) {
+  using namespace std::string_literals;
+  const std::string nff = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 9 9\n";
+  EXPECT_EQ(error_of("\xef\xbb\xbf" + nff, "marked.nff"), "");
+  for (const std::string& mark : {""s, "\xff\xfe"s})
+    EXPECT_NE(error_of(widened(nff, 2, false, mark), "wide.nff").find("UTF-16"), std::string::npos);
+  for (const std::string& mark : {""s, "\xfe\xff"s})
+    EXPECT_NE(error_of(widened(nff, 2, true, mark), "wide.nff").find("UTF-16"), std::string::npos);
+  for (const std::string& mark : {""s, "\xff\xfe\0\0"s})
+    EXPECT_NE(error_of(widened(nff, 4, false, mark), "wide.nff").find("UTF-32"), std::string::npos);
+  for (const std::string& mark : {""s, "\0\0\xfe\xff"s})
+    EXPECT_NE(error_of(widened(nff, 4, true, mark), "wide.nff").find("UTF-32"), std::string::npos);
+  test::write_temporary("wide.obj", widened("v 0 0 0\n", 2, false, "\xff\xfe"));
+  expect_error(view_text() + "scene: [{mesh: {file: wide.obj}}]\n", "wide.obj", "UTF-16");
+  // YAML may be in any of them.
+  const std::string yaml = view_text() + "scene: []\n";
+  EXPECT_EQ(error_of("\xef\xbb\xbf" + yaml), "");
+  EXPECT_EQ(error_of(widened(yaml, 2, false, "\xff\xfe")), "");
+}
+
+TEST(NffLoader, WhatIsNotUsedIsNoted) {
+  const std::string view = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 9 9\n";
+  const SceneDescription scene = load_scene(test::write_temporary(
+      "notes.nff", view + "b 0 0 0\nb 1 1 1\ns 0 0 0 1\ns 0 0 0 -1\ns 0 0 0 -2\n" + view));
+  ASSERT_EQ(scene.notes.lines().size(), 3u);
+  EXPECT_NE(scene.notes.lines()[0].find("notes.nff:9:1: this background"), std::string::npos);
+  EXPECT_NE(scene.notes.lines()[1].find("notes.nff:11:1: the sign of a negative radius"), std::string::npos);
+  EXPECT_NE(scene.notes.lines()[2].find("notes.nff:13:1: this view"), std::string::npos);
+}
+
 TEST(YamlLoader, HostileInputEndsInAnError) {
   expect_error(view_text() + "objects: {a: [{use: b}], b: [{use: a}]}\nscene: [{use: a}]\n", "scene.yaml:2",
                "contains itself: a → b → a");
