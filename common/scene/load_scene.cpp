@@ -72,7 +72,7 @@ std::string read_text_file(const std::string& path, uintmax_t max_bytes, const s
   return text;
 }
 
-SceneDescription load_scene(const std::string& path, const std::stop_token& stop) {
+SceneDescription load_scene(const std::string& path, const std::stop_token& stop) try {
   const std::string extension = extension_of(path);
   SceneDescription scene;
   if (extension == ".yaml" || extension == ".yml")
@@ -84,6 +84,8 @@ SceneDescription load_scene(const std::string& path, const std::stop_token& stop
                               extension, advice_for(path, extension)));
   validate(scene, stop);
   return scene;
+} catch (const std::bad_alloc&) {
+  throw IoError(fmt::format("{}: the scene and its files need more memory than there is", path));
 }
 
 }  // namespace rayfarm

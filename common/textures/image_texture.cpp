@@ -59,6 +59,7 @@ std::vector<uint16_t> load_texels(const std::string& path, Texture& texture, uin
   texture.height_px = static_cast<uint32_t>(rows);
   texture.levels = 1;
   std::vector<uint16_t> texels;
+  texels.reserve(4 * columns * rows);  // three each; the other levels of a square are a third of it
   std::vector<Color> row(columns);
   Level level(columns, rows);
   for (size_t y = 0; y < rows; ++y) {
