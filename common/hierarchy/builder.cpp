@@ -27,7 +27,10 @@ ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& opti
                          const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes) {
   if (source.size() == 0) return {};
   std::vector<PrimitiveReference> references(source.size());
-  for (uint32_t i = 0; i < references.size(); ++i) references[i] = make_reference(i, source.bounds(i));
+  for (uint32_t i = 0; i < references.size(); ++i) {
+    if (i % (1 << 16) == 0) throw_if_stopped(options.stop);
+    references[i] = make_reference(i, source.bounds(i));
+  }
   if (options.progress) options.progress->total += references.size();
   const auto build = options.rule == SplitRule::sah ? build_sah : build_thesis;
   return build(std::move(references), source, options, make_leaf, nodes);

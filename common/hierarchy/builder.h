@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/scene/scene.h"
+#include "common/scene/stop.h"
 
 namespace rayfarm {
 
@@ -48,14 +49,16 @@ struct BuildOptions {
   SplitRule rule = SplitRule::sah;
   uint32_t max_primitives = 8;  ///< a volume with at most this many is a leaf (the thesis used 4 to 30)
   BuildProgress* progress = nullptr;
+  std::stop_token stop{};  ///< a build that was asked to stop throws Stopped
 };
 
 /// The structurer: packs a leaf's references into records for the traverser. It may append nodes.
 using LeafMaker = std::function<ChildRef(std::span<const PrimitiveReference>)>;
 
 /// Appends the hierarchy's nodes to `nodes`, parents before children, and returns its root (empty without
-/// primitives). The depth is below kMostHierarchyLevels. Uses every core of the machine; the result does not
-/// depend on how many there are.
+/// primitives). The depth is below kMostHierarchyLevels. Uses every core of the machine, as far as it grants
+/// threads; the result does not depend on how many there are. Throws Stopped, and what `source` and
+/// `make_leaf` throw.
 ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
                          const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes);
 

@@ -20,6 +20,8 @@ constexpr size_t kSlots = 8;
 constexpr int kMostSahSplits = kMostHierarchyLevels - 34;
 /// Parts with fewer references are built by one thread.
 constexpr size_t kLeastPerTask = 1 << 14;
+/// Smaller parts take too little time to ask whether to stop.
+constexpr size_t kLeastPerLook = 1 << 12;
 // The costs that the collapse weighs, in tests of one block of eight primitives (measured).
 constexpr float kNodeCost = 1.0f;
 
@@ -70,7 +72,8 @@ class SahBuilder {
         most_in_leaf_(options.max_primitives),
         make_leaf_(make_leaf),
         nodes_(nodes),
-        progress_(options.progress) {}
+        progress_(options.progress),
+        stop_(options.stop) {}
 
   ChildRef build() {
     const auto cores = std::max(1u, std::thread::hardware_concurrency());
@@ -203,6 +206,7 @@ class SahBuilder {
   }
 
   void split(size_t index, const Range& range, int depth, int task_levels) {
+    if (range.count >= kLeastPerLook) throw_if_stopped(stop_);
     BinaryNode& node = binary_[index];
     node.bounds = range.bounds;
     node.first = range.first;
@@ -215,9 +219,10 @@ class SahBuilder {
       node.left_count = left.count;
       const auto split_left = [&] { split(left_of(index), left, depth + 1, task_levels - 1); };
       if (task_levels > 0 && range.count >= kLeastPerTask) {
-        const auto other = std::async(std::launch::async, split_left);
+        // Deferred to `get` where the system refuses a thread.
+        auto other = std::async(std::launch::async | std::launch::deferred, split_left);
         split(right_of(index), right, depth + 1, task_levels - 1);
-        other.wait();
+        other.get();  // throws what the other thread threw
       } else {
         split_left();
         split(right_of(index), right, depth + 1, 0);
@@ -323,6 +328,7 @@ class SahBuilder {
   const LeafMaker& make_leaf_;
   std::vector<VolumeNode>& nodes_;
   BuildProgress* progress_;
+  std::stop_token stop_;
 };
 
 /// Clips large primitives that fill their boxes badly, a long wall askew to the axes, before the tree is
@@ -330,8 +336,9 @@ class SahBuilder {
 /// again and again.
 class Splitter {
  public:
-  Splitter(std::vector<PrimitiveReference>& references, const PrimitiveSource& source)
-      : references_(references), source_(source) {
+  Splitter(std::vector<PrimitiveReference>& references, const PrimitiveSource& source,
+           const std::stop_token& stop)
+      : references_(references), source_(source), stop_(stop) {
     for (const PrimitiveReference& r : references_) whole_.grow(r.box());
   }
 
@@ -339,6 +346,7 @@ class Splitter {
     const double least_gain = kLeastGain * whole_.area();
     std::priority_queue<Candidate> queue;
     const auto consider = [&](uint32_t reference) {
+      if (reference % kLeastPerLook == 0) throw_if_stopped(stop_);
       // A split can't gain more than the box has.
       if (references_[reference].box().area() < least_gain) return;
       const std::optional<Candidate> candidate = try_split(reference);
@@ -396,6 +404,7 @@ class Splitter {
 
   std::vector<PrimitiveReference>& references_;
   const PrimitiveSource& source_;
+  const std::stop_token& stop_;
   Box whole_;
 };
 
@@ -403,7 +412,7 @@ class Splitter {
 
 ChildRef build_sah(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
                    const BuildOptions& options, const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes) {
-  Splitter(references, source).run();
+  Splitter(references, source, options.stop).run();
   if (options.progress) options.progress->total += references.size() - source.size();
   return SahBuilder(std::move(references), options, make_leaf, nodes).build();
 }

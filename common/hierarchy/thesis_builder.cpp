@@ -23,6 +23,7 @@ class ThesisBuilder {
       : source_(source), options_(options), make_leaf_(make_leaf), nodes_(nodes) {}
 
   ChildRef build(std::vector<PrimitiveReference> references, int depth) {
+    throw_if_stopped(options_.stop);
     Octants octants;
     // Where all centres coincide there is no split.
     if (references.size() <= options_.max_primitives || depth >= kMostSplits || !split(references, octants)) {

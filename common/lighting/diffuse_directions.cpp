@@ -7,23 +7,33 @@
 
 namespace rayfarm {
 
-DiffuseDirections::DiffuseDirections(uint32_t rays) {
-  // Six a band up to about 36 rays; then bands grow with their number, to stay as wide as they are high.
-  const auto per_band =
-      std::max(6u, static_cast<uint32_t>(std::lround(1.2 * std::sqrt(static_cast<double>(rays)))));
-  uint32_t band = 0;
-  for (uint32_t done = 0; done < rays; ++band) {
-    const uint32_t count = done == 0 ? 1 : std::min(per_band, rays - done);
-    // sin² of the angle to the normal is the share of the light inside it: the middle of the band's.
-    const double sine2 = done == 0 ? 0 : (done + 0.5 * count) / rays;
-    const double sine = std::sqrt(sine2), cosine = std::sqrt(1 - sine2);
-    for (uint32_t i = 0; i < count; ++i) {
-      // Every second band is turned by half a step, so that no two rays stand above each other.
-      const double phi = 2 * std::numbers::pi * (i + 0.5 * (band % 2)) / count;
-      directions_.emplace_back(sine * portable_cos(phi), cosine, sine * portable_sin(phi));
-    }
-    done += count;
+DiffuseDirections::DiffuseDirections(uint64_t rays)
+    // Six a band up to about 36 rays; then bands grow with their number, to stay as wide as they are high.
+    : rays_(rays),
+      per_band_(
+          std::max<size_t>(6, static_cast<size_t>(std::lround(1.2 * std::sqrt(static_cast<double>(rays)))))) {
+  directions_.reserve(rays_);
+  for (size_t ray = 0; ray < rays_; ++ray)
+    directions_.push_back(ray == 0 ? Vec3(0, 1, 0) : jittered(ray, Vec2(0.5)));
+}
+
+Vec3 DiffuseDirections::jittered(size_t ray, const Vec2& u) const {
+  size_t first = 0, count = 1;  // of the ray's band
+  bool is_turned =
+      false;  // as every second one is by half a step, so that no two rays stand above each other
+  if (ray > 0) {
+    const size_t band = (ray - 1) / per_band_;
+    first = 1 + band * per_band_;
+    count = std::min(per_band_, rays_ - first);
+    is_turned = band % 2 == 0;
   }
+  // sin² of the angle to the normal is the share of the light inside it.
+  const double sine2 =
+      (static_cast<double>(first) + u.x * static_cast<double>(count)) / static_cast<double>(rays_);
+  const double sine = std::sqrt(sine2), cosine = std::sqrt(1 - sine2);
+  const double step = static_cast<double>(ray - first) + (is_turned ? 0.5 : 0) + (u.y - 0.5);
+  const double phi = 2 * std::numbers::pi * step / static_cast<double>(count);
+  return {sine * portable_cos(phi), cosine, sine * portable_sin(phi)};
 }
 
 Vec3 rotated_to(const Vec3& normal, const Vec3& about_y, double radians) {

@@ -11,13 +11,20 @@ namespace rayfarm {
 
 class DiffuseDirections {
  public:
-  /// Any number of rays; 25 are one along the normal and four bands of six (Figure 3.1).
-  explicit DiffuseDirections(uint32_t rays);
+  /// Any number of rays up to kMostDiffuseDirections; 25 are one along the normal and four bands of six
+  /// (Figure 3.1).
+  explicit DiffuseDirections(uint64_t rays);
 
   /// Unit vectors about +y. Rays of a band stand one after the other.
   std::span<const Vec3> about_y() const { return directions_; }
 
+  /// A direction in the part of the hemisphere that a ray stands for, chosen by `u`. The middles of bands
+  /// meet a body whose rim runs along the bands too often or too seldom, and so at every place of a curved
+  /// surface; directions at random are right on average.
+  Vec3 jittered(size_t ray, const Vec2& u) const;
+
  private:
+  size_t rays_, per_band_;
   std::vector<Vec3> directions_;
 };
 

@@ -9,17 +9,7 @@ namespace rayfarm {
 /// What is laid out once for all rays.
 struct SamplingTables {
   SamplingTables(const RenderSettings& with, int frame)
-      : settings(with),
-        sampler(with, frame),
-        diffuse_directions(with.lighting == LightingModel::thesis
-                               ? with.diffuse_rays * samples_that_share_directions(with)
-                               : 0) {}
-
-  /// The thesis spreads one set of diffuse rays over all the samples of a pixel; four for rays through
-  /// corners, each of which four pixels share.
-  static uint32_t samples_that_share_directions(const RenderSettings& settings) {
-    return settings.sampling == SamplingPattern::corners ? 4 : settings.samples;
-  }
+      : settings(with), sampler(with, frame), diffuse_directions(diffuse_directions_of(with)) {}
 
   const RenderSettings& settings;
   Sampler sampler;

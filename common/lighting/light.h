@@ -1,5 +1,7 @@
 #pragma once
 // Sources of light: plain data, as the compiled scene holds them.
+#include <array>
+
 #include "common/hierarchy/ray.h"
 #include "common/math/vector.h"
 
@@ -19,7 +21,8 @@ struct Light {
   LightKind kind = LightKind::point;
   uint32_t instance = 0;  ///< of a luminaire, as the next three
   PrimitiveId primitive{};
-  uint32_t first_vertex = 0, vertex_count = 0;  ///< of a luminous triangle or polygon, in luminaire_vertices
+  uint32_t first_triangle = 0, triangle_count = 0;  ///< of a luminous triangle or polygon, in
+                                                    ///< luminaire_triangles
   uint32_t material = 0;
   uint32_t diagram = kNone, padding = 0;  ///< of a bulb whose intensity differs by direction
   Vec3 position{0};
@@ -28,6 +31,14 @@ struct Light {
   Color color{1};
   double cosine_full = 1,
          cosine_none = 1;  ///< of the angles up to which a spot is bright, and from which it is dark
+};
+
+/// Of a luminous triangle or polygon as rays meet it, in its object's space.
+struct LuminaireTriangle {
+  std::array<Vec3, 3> corners{};
+  Vec3 normal{0};           ///< unit
+  double area_through = 0;  ///< of this triangle and the luminaire's before it
+  double magnitude = 0;     ///< of the luminaire's coordinates
 };
 
 }  // namespace rayfarm

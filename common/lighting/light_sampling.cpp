@@ -25,40 +25,27 @@ double area_scale(const InstancePose& pose, const Vec3& n) {
   return std::sqrt(glm::dot(m, m)) / std::abs(glm::determinant(pose.object_from_world.linear));
 }
 
-/// The corners of a luminous polygon or triangle.
-std::span<const Vec3> corners_of(const Scene& scene, const Light& light) {
-  return scene.luminaire_vertices.subspan(light.first_vertex, light.vertex_count);
-}
-
-Vec3 fan_cross(std::span<const Vec3> points, size_t i) {
-  return glm::cross(points[i] - points[0], points[i + 1] - points[0]);
-}
-double fan_area(std::span<const Vec3> points, size_t i) {
-  return 0.5 * glm::length(fan_cross(points, i));
-}
-double area_of(std::span<const Vec3> points) {
-  double area = 0;
-  for (size_t i = 1; i + 1 < points.size(); ++i) area += fan_area(points, i);
-  return area;
+std::span<const LuminaireTriangle> triangles_of(const Scene& scene, const Light& light) {
+  return scene.luminaire_triangles.subspan(light.first_triangle, light.triangle_count);
 }
 
 double area_in_object(const Scene& scene, const Light& light) {
-  if (light.primitive.kind() != PrimitiveKind::sphere) return area_of(corners_of(scene, light));
+  if (light.primitive.kind() != PrimitiveKind::sphere) return triangles_of(scene, light).back().area_through;
   const double r = scene.spheres[light.primitive.index()].radius;
   return 4 * pi * r * r;
 }
 
-PrimitivePoint point_on(std::span<const Vec3> points, Vec2 u) {
-  const double area = area_of(points);
-  double rest = u.x * area;
-  size_t i = 1;
-  while (i + 2 < points.size() && rest >= fan_area(points, i)) rest -= fan_area(points, i++);
-  u.x = std::clamp(rest / fan_area(points, i), 0.0, 1.0);
+PrimitivePoint point_on(std::span<const LuminaireTriangle> triangles, Vec2 u) {
+  const double area = triangles.back().area_through;
+  const double place = u.x * area;
+  const auto chosen =
+      std::upper_bound(triangles.begin(), triangles.end() - 1, place,
+                       [](double value, const LuminaireTriangle& t) { return value < t.area_through; });
+  const double before = chosen == triangles.begin() ? 0 : std::prev(chosen)->area_through;
+  const Vec3 &a = chosen->corners[0], &b = chosen->corners[1], &c = chosen->corners[2];
+  u.x = std::clamp((place - before) / (0.5 * glm::length(glm::cross(b - a, c - a))), 0.0, 1.0);
   const Vec2 weights = sample_triangle(u);
-  double magnitude = 0;
-  for (const Vec3& q : points) magnitude = std::max(magnitude, max_magnitude(q));
-  return {points[0] + weights.x * (points[i] - points[0]) + weights.y * (points[i + 1] - points[0]),
-          normalized(fan_cross(points, i)), 1 / area, magnitude};
+  return {a + weights.x * (b - a) + weights.y * (c - a), chosen->normal, 1 / area, chosen->magnitude};
 }
 
 PrimitivePoint point_on(const SphereRecord& sphere, const Vec2& u) {
@@ -73,52 +60,64 @@ double one_minus_cosine(const SphereRecord& sphere, double distance2) {
   return sine2 / (1 + std::sqrt(std::max(0.0, 1 - sine2)));
 }
 
-/// Spheres that are where they are described are sampled by the solid angle under which they are seen.
+/// Spheres that are where they are described are sampled by the solid angle under which they are seen from
+/// outside.
 bool is_sampled_by_angle(const Scene& scene, const InstancePose& pose, const Light& light, const Vec3& p,
                          double& distance2) {
   if (light.primitive.kind() != PrimitiveKind::sphere || !pose.is_identity) return false;
+  if (scene.materials[light.material].is_inward) return false;
   const SphereRecord& sphere = scene.spheres[light.primitive.index()];
   const Vec3 to_center = sphere.center - p;
   distance2 = glm::dot(to_center, to_center);
   return distance2 > sphere.radius * sphere.radius * (1 + 1e-9);
 }
 
+/// Chooses a direction from `p` to a sphere, `height` being 1 - cos of the half angle under which it is seen,
+/// and the point that is seen there. The point's normal comes from the angles: what is left of distances that
+/// nearly cancel would place it too far inside a small sphere, which would then shade itself.
+PrimitivePoint point_by_angle(const SphereRecord& sphere, const Vec3& p, double distance2, double height,
+                              const Vec2& u, Vec3& to_light) {
+  const double distance = std::sqrt(distance2);
+  const Vec3 axis = (sphere.center - p) / distance;
+  to_light = Frame(axis).to_world(sample_cone(u, height));
+  // Across the ray lies what is left of the way to the centre, in radii.
+  const Vec3 across = (distance / sphere.radius) * (glm::dot(axis, to_light) * to_light - axis);
+  const Vec3 normal = normalized(across - std::sqrt(std::max(0.0, 1 - glm::dot(across, across))) * to_light);
+  return {sphere.center + sphere.radius * normal, normal, 0, max_magnitude(sphere.center) + sphere.radius};
+}
+
 LightSample sample_luminaire(const Scene& scene, const Pose& pose, const Light& light, const Vec3& p,
                              const Vec2& u) {
   const InstancePose& place = pose.instances[light.instance];
+  const Material& material = scene.materials[light.material];
   LightSample result;
   PrimitivePoint point;
   double distance2;
   if (is_sampled_by_angle(scene, place, light, p, distance2)) {
     const SphereRecord& sphere = scene.spheres[light.primitive.index()];
-    const double height = one_minus_cosine(sphere, distance2), distance = std::sqrt(distance2);
-    const Vec3 axis = (sphere.center - p) / distance;
-    result.to_light = Frame(axis).to_world(sample_cone(u, height));
-    const double along = distance * glm::dot(axis, result.to_light);
-    const double rest = sphere.radius * sphere.radius - (distance2 - along * along);
-    point.p = p + (along - std::sqrt(std::max(0.0, rest))) * result.to_light;
-    point.normal = normalized(point.p - sphere.center);
-    point.magnitude = max_magnitude(sphere.center) + sphere.radius;
+    const double height = one_minus_cosine(sphere, distance2);
+    point = point_by_angle(sphere, p, distance2, height, u, result.to_light);
     result.pdf = cone_pdf(height);
   } else {
     point = light.primitive.kind() == PrimitiveKind::sphere
                 ? point_on(scene.spheres[light.primitive.index()], u)
-                : point_on(corners_of(scene, light), u);
+                : point_on(triangles_of(scene, light), u);
     if (!place.is_identity) {
       point.density /= area_scale(place, point.normal);
       point.p = place.world_from_object.point(point.p);
       point.normal = normalized(place.object_from_world.normal_by_inverse(point.normal));
-      point.magnitude = std::max(point.magnitude, max_magnitude(point.p));
+      point.magnitude = magnitude_in_world(place, point.magnitude);
     }
+    if (material.is_inward) point.normal = -point.normal;
     const Vec3 to_light = point.p - p;
     const double square = glm::dot(to_light, to_light);
     result.to_light = normalized(to_light);
     result.pdf = point.density * square / -glm::dot(point.normal, result.to_light);
   }
   if (!(glm::dot(point.normal, result.to_light) < 0) || !(result.pdf > 0)) return {};
-  result.target = point.p + rounding_bound(std::max(point.magnitude, max_magnitude(p))) * point.normal;
-  result.incident =
-      emitted(scene.materials[light.material], {-result.to_light, point.normal, true, 1}) / result.pdf;
+  const double magnitude = std::max({point.magnitude, max_magnitude(point.p), max_magnitude(p)});
+  result.target = point.p + rounding_bound(magnitude) * point.normal;
+  result.incident = emitted(material, {-result.to_light, point.normal, !material.is_inward, 1}) / result.pdf;
   return result;
 }
 
@@ -180,7 +179,7 @@ double luminaire_area(const Scene& scene, const Light& light) {
   if (place.is_identity) return area;
   if (light.primitive.kind() == PrimitiveKind::sphere)  // near enough: it only guides the choice
     return area / portable_pow(std::abs(glm::determinant(place.object_from_world.linear)), 2.0 / 3);
-  return area * area_scale(place, normalized(fan_cross(corners_of(scene, light), 1)));
+  return area * area_scale(place, triangles_of(scene, light).front().normal);
 }
 
 uint32_t find_luminaire(const Scene& scene, uint32_t instance, PrimitiveId primitive) {

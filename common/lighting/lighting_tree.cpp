@@ -43,8 +43,8 @@ class LightingTree {
                        settings_.lighting == LightingModel::thesis),
         is_thesis_(settings_.lighting == LightingModel::thesis) {}
 
-  /// Sets `colors`, one per ray.
-  void trace(std::span<const Ray> rays, std::span<const Branch> branches, uint32_t depth, Color* colors) {
+  /// Sets `colors`, one per ray. Returns how many rays met an object.
+  size_t trace(std::span<const Ray> rays, std::span<const Branch> branches, uint32_t depth, Color* colors) {
     OfPacket<Hit> hits;
     hits.resize_for_overwrite(rays.size());
     closest_hits(scene_, pose_, rays, hits.data());
@@ -71,12 +71,12 @@ class LightingTree {
     }
     if (!shaded.empty()) add_direct_light(shaded.span());
     if (has_secondary_ && depth < settings_.max_depth) add_secondary_light(shaded.span(), depth);
-    if (!is_thesis_) return;
-    for (size_t i = 0; i < rays.size(); ++i) {
+    for (size_t i = 0; is_thesis_ && i < rays.size(); ++i) {
       if (branches[i].is_diffuse) colors[i] = weakened(colors[i], hits[i]);
       if (branches[i].as_diffuse)
         *branches[i].as_diffuse = weakened(colors[i] - *branches[i].as_diffuse, hits[i]);
     }
+    return shaded.size();
   }
 
  private:
@@ -255,7 +255,7 @@ class LightingTree {
   /// too, and the answer is true.
   bool add_diffuse_light(const Shaded& s, uint32_t depth, const Vec3& mirror, double reflect) {
     const auto directions = tables_.diffuse_directions.about_y();
-    const auto samples = SamplingTables::samples_that_share_directions(settings_);
+    const auto samples = static_cast<uint32_t>(samples_that_share_directions(settings_));
     const Color share = (s.material->diffuse / settings_.diffuse_rays) * s.surface_color;
     if (!(s.branch.weight * max_component(share) >= settings_.min_weight) || max_component(share) == 0)
       return false;
@@ -284,7 +284,9 @@ class LightingTree {
       std::array<Color, kMostPacketRays> colors, as_diffuse;
       size_t both = kMostPacketRays;  // which of the rays serves both terms
       for (uint32_t i = begin; i < end; ++i) {
-        const Vec3 direction = rotated_to(s.surface.shading_normal, directions[part + i * samples], turn);
+        const size_t ray = part + size_t{i} * samples;
+        const Vec3 about_y = settings_.diffuse_jitter ? jittered(s, ray, kFirstDiffuse + i) : directions[ray];
+        const Vec3 direction = rotated_to(s.surface.shading_normal, about_y, turn);
         if (!serves_both && glm::dot(direction, mirror) > cosine_of_cone) {
           serves_both = true;
           both = i - begin;
@@ -309,6 +311,13 @@ class LightingTree {
     }
     *s.color += share * sum;
     return serves_both;
+  }
+
+  Vec3 jittered(const Shaded& s, size_t ray, uint32_t child) const {
+    const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{s.branch.stream} << 32 | child));
+    const auto r = random_pair(settings_.seed, tables_.sampler.frame(), s.branch.id,
+                               stream << 8 | dimension::kDirection);
+    return tables_.diffuse_directions.jittered(ray, {r[0], r[1]});
   }
 
   void add_diffuse(Branches& branches, const Shaded& s, const Vec3& direction, const Color& share,
@@ -344,20 +353,18 @@ class LightingTree {
 
 }  // namespace
 
-void trace_eye_rays(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
-                    RayCounts& counts, Color* colors) {
+size_t trace_eye_rays(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+                      RayCounts& counts, Color* colors) {
   counts.primary += rays.size();
-  if (context.tables.settings.lighting == LightingModel::path) {
-    trace_paths(context, rays, ids, counts, colors);
-    return;
-  }
+  if (context.tables.settings.lighting == LightingModel::path)
+    return trace_paths(context, rays, ids, counts, colors);
   OfPacket<Branch> branches;
   for (const SampleId& id : ids) {
     Branch& branch = branches.push_back({});
     branch.id = id;
     branch.spread = context.spread;
   }
-  LightingTree(context, counts).trace(rays, branches.span(), 1, colors);
+  return LightingTree(context, counts).trace(rays, branches.span(), 1, colors);
 }
 
 }  // namespace rayfarm

@@ -22,8 +22,9 @@ struct RayCounts {
 };
 
 /// The colours seen along up to kMostPacketRays eye rays, best neighbours, by the lighting model that the
-/// settings name; `ids` tell which samples they are, `counts` grows by every ray traced.
-void trace_eye_rays(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
-                    RayCounts& counts, Color* colors);
+/// settings name; `ids` tell which samples they are, `counts` grows by every ray traced. Returns how many of
+/// the eye rays met an object.
+size_t trace_eye_rays(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+                      RayCounts& counts, Color* colors);
 
 }  // namespace rayfarm

@@ -13,6 +13,12 @@ struct Moment {
   Camera camera;
 };
 
+/// Which of `moments` a sample belongs to that stands at `place` of [0, samples): rounding may have made it
+/// `samples`.
+inline size_t moment_index(size_t moments, double place, uint32_t samples) {
+  return std::min(moments - 1, static_cast<size_t>(place / samples * static_cast<double>(moments)));
+}
+
 class Moments {
  public:
   explicit Moments(const Scene& scene) : scene_(scene) {}

@@ -34,8 +34,8 @@ class PathTracer {
         sampler_(context.tables.sampler),
         counts_(counts) {}
 
-  /// `spread`: of the rays' cones.
-  void trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors) {
+  /// `spread`: of the rays' cones. Returns how many rays met an object.
+  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors) {
     for (size_t i = 0; i < rays.size(); ++i) {
       colors[i] = Color(0);
       rays_.push_back(rays[i]);
@@ -46,6 +46,7 @@ class PathTracer {
       paths_.push_back(path);
     }
     while (!rays_.empty()) step();
+    return eye_hits_;
   }
 
  private:
@@ -84,6 +85,7 @@ class PathTracer {
       *path.color += light;
       return false;
     }
+    if (path.depth == 1) ++eye_hits_;
     Surface surface = eval_surface(scene_, pose_, ray, hit);
     path.width += hit.t * path.spread;
     Material with_texture;
@@ -201,6 +203,7 @@ class PathTracer {
   const RenderSettings& settings_;
   const Sampler& sampler_;
   RayCounts& counts_;
+  size_t eye_hits_ = 0;
   OfPacket<Ray> rays_, shadow_rays_;
   OfPacket<Path> paths_;
   OfPacket<ShadowColor> shadow_colors_;
@@ -208,9 +211,9 @@ class PathTracer {
 
 }  // namespace
 
-void trace_paths(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
-                 RayCounts& counts, Color* colors) {
-  PathTracer(context, counts).trace(rays, ids, context.spread, colors);
+size_t trace_paths(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+                   RayCounts& counts, Color* colors) {
+  return PathTracer(context, counts).trace(rays, ids, context.spread, colors);
 }
 
 }  // namespace rayfarm

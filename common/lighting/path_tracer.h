@@ -6,7 +6,8 @@
 
 namespace rayfarm {
 
-void trace_paths(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
-                 RayCounts& counts, Color* colors);
+/// As trace_eye_rays.
+size_t trace_paths(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+                   RayCounts& counts, Color* colors);
 
 }  // namespace rayfarm

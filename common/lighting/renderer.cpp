@@ -93,13 +93,13 @@ class Renderer::Rendering {
 
   /// Traces eye rays in all passes of the colour model.
   void trace(const Moment& moment, std::span<const Ray> rays, std::span<const SampleId> ids,
-             RayCounts& counts, Color* colors) {
+             RenderedPixels& counted, Color* colors) {
     for (const ColouredScene& pass : passes_) {
       const bool is_first = &pass == &passes_.front();
       std::array<Color, kMostPacketRays> more;
       Color* const channels = is_first ? colors : more.data();
-      trace_eye_rays({pass.scene(), moment.pose, tables_, moment.camera.spread()}, rays, ids, counts,
-                     channels);
+      counted.eye_hits += trace_eye_rays({pass.scene(), moment.pose, tables_, moment.camera.spread()}, rays,
+                                         ids, counted.counts, channels);
       if (pass.pass().is_rgb) break;
       for (size_t i = 0; i < rays.size(); ++i) {
         const Color color = pass.pass().rgb_from_channels * channels[i];
@@ -123,8 +123,7 @@ class Renderer::Rendering {
     const auto r =
         random_pair(settings_.seed, tables_.sampler.frame(), {block.x, block.y, 0}, dimension::kTime);
     const uint32_t stratum = permuted(sample, settings_.samples, static_cast<uint64_t>(r[1] * 0x1p53));
-    return moments_[static_cast<size_t>((stratum + r[0]) / settings_.samples *
-                                        static_cast<double>(moments_.size()))];
+    return moments_[moment_index(moments_.size(), stratum + r[0], settings_.samples)];
   }
 
   /// Where a sample stands, and what it weighs.
@@ -133,8 +132,8 @@ class Renderer::Rendering {
   }
 
   /// One sample of each pixel.
-  void trace_sample(const Pixel& block, std::span<const Pixel> pixels, uint32_t sample, RayCounts& counts,
-                    Color* colors, double* weights) {
+  void trace_sample(const Pixel& block, std::span<const Pixel> pixels, uint32_t sample,
+                    RenderedPixels& counted, Color* colors, double* weights) {
     const Moment& moment = moment_of(block, sample);
     OfPacket<Ray> rays;
     OfPacket<SampleId> ids;
@@ -144,7 +143,7 @@ class Renderer::Rendering {
       rays.push_back(eye_ray(moment.camera, id, p.x + 0.5 + place.offset.x, p.y + 0.5 + place.offset.y));
       *weights++ = place.weight;
     }
-    trace(moment, rays.span(), ids.span(), counts, colors);
+    trace(moment, rays.span(), ids.span(), counted, colors);
   }
 
   /// Adds the samples from `first` on.
@@ -152,7 +151,7 @@ class Renderer::Rendering {
     std::array<Color, kMostPacketRays> colors;
     std::array<double, kMostPacketRays> weights;
     for (uint32_t sample = first; sample < settings_.samples; ++sample) {
-      trace_sample(block, pixels.span(), sample, result_.counts, colors.data(), weights.data());
+      trace_sample(block, pixels.span(), sample, result_, colors.data(), weights.data());
       for (size_t i = 0; i < pixels.size(); ++i) sums[i] += weights[i] * colors[i];
     }
   }
@@ -162,6 +161,7 @@ class Renderer::Rendering {
   void write(const Pixel& p, const Color& color) {
     const auto i = static_cast<size_t>(p.y - rect_.y0) * static_cast<size_t>(rect_.width()) +
                    static_cast<size_t>(p.x - rect_.x0);
+    if (!is_finite(color)) ++result_.not_finite;
     encode_pixel(settings_.pixel_format, color,
                  result_.pixels.data() + i * bytes_per_pixel(settings_.pixel_format));
   }
@@ -184,7 +184,7 @@ class Renderer::Rendering {
         const SampleId& id = ids.push_back({x, y, 0});
         rays.push_back(eye_ray(moments_.front().camera, id, x, y));
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
-        trace(moments_.front(), rays.span(), ids.span(), owns(x) ? result_.counts : counted_elsewhere_,
+        trace(moments_.front(), rays.span(), ids.span(), owns(x) ? result_ : counted_elsewhere_,
               &row[i + 1 - rays.size()]);
         rays.clear();
         ids.clear();
@@ -230,14 +230,14 @@ class Renderer::Rendering {
     for_each_block(firsts.rect(), [&](const Pixel& block, const PixelRect& part) {
       OfPacket<Pixel> inside, around;
       for_each_pixel(part, [&](const Pixel& p) { (contains(rect_, p) ? inside : around).push_back(p); });
-      const auto trace_pixels = [&](const OfPacket<Pixel>& pixels, RayCounts& counts) {
+      const auto trace_pixels = [&](const OfPacket<Pixel>& pixels, RenderedPixels& counted) {
         if (pixels.empty()) return;
         std::array<Color, kMostPacketRays> colors;
         std::array<double, kMostPacketRays> weights;
-        trace_sample(block, pixels.span(), 0, counts, colors.data(), weights.data());
+        trace_sample(block, pixels.span(), 0, counted, colors.data(), weights.data());
         for (size_t i = 0; i < pixels.size(); ++i) firsts[pixels[i]] = colors[i];
       };
-      trace_pixels(inside, result_.counts);
+      trace_pixels(inside, result_);
       trace_pixels(around, counted_elsewhere_);
     });
     return firsts;
@@ -270,7 +270,7 @@ class Renderer::Rendering {
       const SampleId id{p.x, p.y, 0};
       const Ray ray = moments_.front().camera.ray(next->center.x, next->center.y);
       Color color(0);
-      trace(moments_.front(), std::span(&ray, 1), std::span(&id, 1), result_.counts, &color);
+      trace(moments_.front(), std::span(&ray, 1), std::span(&id, 1), result_, &color);
       if (differ(color, firsts[p])) differs[p] = 1;
     }
     return differs;
@@ -286,7 +286,7 @@ class Renderer::Rendering {
   const std::function<void()>& pulse_;
   size_t rays_since_pulse_ = 0;
   RenderedPixels result_;
-  RayCounts counted_elsewhere_;
+  RenderedPixels counted_elsewhere_;  ///< for neighbours
 };
 
 Renderer::Renderer(const Scene& scene, const RenderSettings& settings)

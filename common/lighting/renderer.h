@@ -18,6 +18,8 @@ struct RenderedPixels {
   /// the border, in adaptive sampling the first samples beyond it) is counted once, so that the counts of a
   /// frame do not depend on how it was cut.
   RayCounts counts;
+  uint64_t eye_hits = 0;    ///< eye rays that met an object, counted in the same way
+  uint64_t not_finite = 0;  ///< pixels with a channel that is infinite or no number
 };
 
 /// Renders rectangles of a scene's frames, in any order, with one set of settings.

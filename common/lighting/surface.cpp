@@ -89,6 +89,12 @@ std::array<Vec3, 3> triangle_vertices(const Scene& scene, uint32_t block_lane) {
   return v;
 }
 
+double magnitude_in_world(const InstancePose& place, double local) {
+  const Mat3& m = place.world_from_object.linear;
+  const double largest = std::max({max_magnitude(m[0]), max_magnitude(m[1]), max_magnitude(m[2])});
+  return std::max(3 * largest * local, max_magnitude(place.world_from_object.translation));
+}
+
 Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit) {
   const InstancePose& place = pose.instances[hit.instance];
   Surface surface;
@@ -103,10 +109,7 @@ Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const
     surface.shading_normal = local.shading_normal;
   } else {
     local = eval_local(scene, hit, place.object_from_world.point(surface.p));
-    const Mat3& m = place.world_from_object.linear;
-    const double largest = std::max({max_magnitude(m[0]), max_magnitude(m[1]), max_magnitude(m[2])});
-    magnitude = std::max(
-        {magnitude, 3 * largest * local.magnitude, max_magnitude(place.world_from_object.translation)});
+    magnitude = std::max(magnitude, magnitude_in_world(place, local.magnitude));
     surface.geometric_normal = normalized(place.object_from_world.normal_by_inverse(local.geometric_normal));
     surface.shading_normal = normalized(place.object_from_world.normal_by_inverse(local.shading_normal));
   }

@@ -11,6 +11,9 @@ constexpr double rounding_bound(double magnitude) {
   return 0x1p-45 * magnitude;
 }
 
+/// The largest number in the computation that places a primitive in the world whose own largest is `local`.
+double magnitude_in_world(const InstancePose& place, double local);
+
 struct Surface {
   Vec3 p{0};                 ///< in the world
   Vec3 geometric_normal{0};  ///< unit, on the viewer's side

@@ -16,7 +16,7 @@ enum class MaterialKind : uint32_t {
   dielectric,   ///< index, filter, exponent, priority
   polished,     ///< color: the substrate's albedo; index, exponent: of the polish
   translucent,  ///< color, back: the albedos of the two sides; through: what passes diffusely
-  luminaire     ///< color: the albedo; emission, exponent
+  luminaire     ///< color: the albedo; emission, exponent, is_inward
 };
 
 struct Material {
@@ -38,9 +38,9 @@ struct Material {
   double exponent = 0;
   Color n{1}, k{0};        ///< complex index of refraction of a conductor
   uint32_t metal = kNone;  ///< whose n and k these are (materials/presets.h); none if given by number
-  uint32_t padding = 0;
-  double abbe = 0;  ///< dispersion of a dielectric: its Abbe number; 0: none
-  Color filter{1};  ///< what is left of light after one unit of length in a dielectric
+  uint32_t is_inward = 0;  ///< 1: a luminaire shines from its back
+  double abbe = 0;         ///< dispersion of a dielectric: its Abbe number; 0: none
+  Color filter{1};         ///< what is left of light after one unit of length in a dielectric
   Color back{0}, through{0};
 };
 

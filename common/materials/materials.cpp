@@ -83,7 +83,7 @@ void scatter(const Material& material, const Interaction& at, Lobes& lobes) {
 }
 
 Color emitted(const Material& material, const Interaction& at) {
-  if (!at.is_front || !is_luminaire(material)) return Color(0);
+  if (at.is_front == (material.is_inward != 0) || !is_luminaire(material)) return Color(0);
   const double cosine = std::max(0.0, glm::dot(at.normal, at.to_viewer));
   return (material.exponent > 0 ? portable_pow(cosine, material.exponent) : 1.0) * material.emission;
 }

@@ -9,6 +9,8 @@
 #include "common/lighting/environment.h"
 #include "common/lighting/light_choice.h"
 #include "common/materials/scattering.h"
+#include "common/scene/darkness.h"
+#include "common/scene/luminaires.h"
 
 namespace rayfarm {
 namespace {
@@ -36,7 +38,7 @@ struct SceneArrays {
   std::vector<double> goniometric_values;
   std::vector<double> environment_shares;
   std::vector<double> light_shares;
-  std::vector<Vec3> luminaire_vertices;
+  std::vector<LuminaireTriangle> luminaire_triangles;
   std::vector<CurveRecord> curves;
   std::vector<double> key_frames;
   std::vector<Vec4> key_values;
@@ -71,7 +73,7 @@ struct SceneArrays {
             goniometric_values,
             environment_shares,
             light_shares,
-            luminaire_vertices,
+            luminaire_triangles,
             curves,
             key_frames,
             key_values,
@@ -187,6 +189,9 @@ class InstanceSource : public PrimitiveSource {
   const std::vector<InstancePose>& poses_;
 };
 
+/// How often long loops ask whether to stop.
+constexpr size_t kPrimitivesPerLook = 1 << 14;
+
 class Compiler {
  public:
   Compiler(const SceneDescription& description, const BuildOptions& options)
@@ -213,6 +218,13 @@ class Compiler {
       result.notes.add(
           description_.source(),
           fmt::format("{} polygons and triangles without area are left out: no ray can hit them", dropped_));
+    luminaires_.add_notes(description_, result.notes);
+    note_turned_lamps(description_, result.scene, luminaire_places_, result.notes);
+    if (!result.scene.instances.empty() && is_dark(result.scene, {}))
+      result.notes.add(description_.source(),
+                       "nothing lights the scene, so pictures of it are black: it has no lights, nothing "
+                       "luminous, no background or environment, and no material shows ambient light; add "
+                       "`lights`, or a material with a `luminaire`");
     return result;
   }
 
@@ -263,21 +275,27 @@ class Compiler {
     return static_cast<uint32_t>(arrays_.textures.size() - 1);
   }
 
-  void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading) {
+  void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading,
+                    const Place& place) {
     const Vec3 a(v[0]), b(v[1]), c(v[2]);
     if (max_magnitude(glm::cross(b - a, c - a)) == 0) {
       ++dropped_;
       return;
     }
-    part.add_triangle(
-        make_primitive_id(PrimitiveKind::triangle, static_cast<uint32_t>(arrays_.triangle_shading.size())),
-        v);
+    const PrimitiveId id =
+        make_primitive_id(PrimitiveKind::triangle, static_cast<uint32_t>(arrays_.triangle_shading.size()));
+    part.add_triangle(id, v);
     arrays_.triangle_shading.push_back(shading);
+    if (is_luminous(shading.material))
+      luminaires_.add_triangles({id, place, shading.material}, std::span(&v, 1));
   }
 
   void add(PartPrimitives& part, const PrimitiveDescription& p, const SphereShape& sphere) {
-    part.add(make_primitive_id(PrimitiveKind::sphere, static_cast<uint32_t>(arrays_.spheres.size())));
+    const PrimitiveId id =
+        make_primitive_id(PrimitiveKind::sphere, static_cast<uint32_t>(arrays_.spheres.size()));
+    part.add(id);
     arrays_.spheres.push_back({sphere.center, sphere.radius, p.material, 0});
+    if (is_luminous(p.material)) luminaires_.add_sphere({id, p.place, p.material});
   }
 
   void add_quadric(PartPrimitives& part, const PrimitiveDescription& p, Quadric quadric,
@@ -297,6 +315,7 @@ class Compiler {
     arrays_.quadric_planes.insert(arrays_.quadric_planes.end(), planes.begin(), planes.end());
     part.add(make_primitive_id(PrimitiveKind::quadric, static_cast<uint32_t>(arrays_.quadrics.size())));
     arrays_.quadrics.push_back(quadric);
+    if (is_luminous(p.material)) luminaires_.add_quadric(p.place);
   }
 
   void add(PartPrimitives& part, const PrimitiveDescription& p, const ConeShape& cone) {
@@ -322,7 +341,7 @@ class Compiler {
           arrays_.normals.emplace_back(normalized(shape.normals[i]));
         }
       add_triangle(part, {glm::vec3(shape.points[0]), glm::vec3(shape.points[1]), glm::vec3(shape.points[2])},
-                   shading);
+                   shading, p.place);
       return;
     }
     Polygon polygon;
@@ -351,12 +370,19 @@ class Compiler {
     const std::vector<TriangleVertices> fan = triangle_fan(shape.points, polygon.normal);
     for (const TriangleVertices& triangle : fan) part.add_triangle(id, triangle);
     if (fan.empty()) part.add(id);
+    if (!is_luminous(p.material)) return;
+    const Luminous luminous{id, p.place, p.material};
+    if (fan.empty())
+      luminaires_.add_polygon(luminous, polygon, shape.points);
+    else
+      luminaires_.add_triangles(luminous, fan);
   }
 
   void add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh) {
     const auto first_normal = static_cast<uint32_t>(arrays_.normals.size());
     for (const glm::vec3& n : mesh.normals) arrays_.normals.emplace_back(normalized(Vec3(n)));
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (i % kPrimitivesPerLook == 0) throw_if_stopped(options_.stop);
       const glm::uvec3& t = mesh.triangles[i];
       TriangleShading shading{mesh.materials.empty() ? p.material : mesh.materials[i],
                               static_cast<uint32_t>(Smoothing::flat),
@@ -368,7 +394,7 @@ class Compiler {
           shading.normals[k] = first_normal + mesh.triangle_normals[i][static_cast<int>(k)];
       }
       const size_t before = arrays_.triangle_shading.size();
-      add_triangle(part, {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading);
+      add_triangle(part, {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading, p.place);
       if (mesh.triangle_uvs.empty() || arrays_.triangle_shading.size() == before) continue;
       arrays_.triangle_uvs.resize(3 * before, glm::vec2(0));  // of meshes before that have none
       for (int k = 0; k < 3; ++k) arrays_.triangle_uvs.push_back(mesh.uvs[mesh.triangle_uvs[i][k]]);
@@ -388,56 +414,25 @@ class Compiler {
     return fixed;
   }
 
-  struct Luminous {
-    PrimitiveId id;
-    uint32_t first_vertex, vertex_count;
-  };
-
-  uint32_t material_of(PrimitiveId id) const {
-    switch (id.kind()) {
-      case PrimitiveKind::triangle:
-        return arrays_.triangle_shading[id.index()].material;
-      case PrimitiveKind::sphere:
-        return arrays_.spheres[id.index()].material;
-      case PrimitiveKind::polygon:
-        return arrays_.polygons[id.index()].material;
-      case PrimitiveKind::quadric:
-        break;
-    }
-    return arrays_.quadrics[id.index()].material;
-  }
-
-  /// Shadow rays are sent to luminous triangles, spheres and convex polygons; other shapes shine too, but are
-  /// found by chance alone.
-  bool can_be_sampled(PrimitiveId id, uint32_t triangle) const {
-    return arrays_.materials[material_of(id)].emission != Color(0) &&
-           (id.kind() == PrimitiveKind::sphere || triangle != kNone);
-  }
-
-  /// Puts down the corners of a luminous triangle or polygon.
-  Luminous make_luminous(PrimitiveId id, const PartPrimitives& primitives, uint32_t i) {
-    Luminous luminous{id, static_cast<uint32_t>(arrays_.luminaire_vertices.size()), 0};
-    if (id.kind() == PrimitiveKind::triangle) {
-      for (const glm::vec3& v : primitives.triangles[primitives.triangle_of[i]])
-        arrays_.luminaire_vertices.emplace_back(v);
-    } else if (id.kind() == PrimitiveKind::polygon) {
-      const Polygon& polygon = arrays_.polygons[id.index()];
-      for (uint32_t k = 0; k < polygon.point_count; ++k)  // the triangles that stand for it are float
-        arrays_.luminaire_vertices.emplace_back(glm::vec3(arrays_.polygon_points[polygon.first_point + k]));
-    }
-    luminous.vertex_count = static_cast<uint32_t>(arrays_.luminaire_vertices.size()) - luminous.first_vertex;
-    return luminous;
-  }
+  bool is_luminous(uint32_t material) const { return is_luminaire(arrays_.materials[material]); }
 
   void add_luminaires() {
+    arrays_.luminaire_triangles = luminaires_.triangles();
     arrays_.header[0].first_luminaire = static_cast<uint32_t>(arrays_.lights.size());
     for (uint32_t i = 0; i < arrays_.instances.size(); ++i)
       for (const Luminous& luminous : luminous_of_[arrays_.instances[i].part]) {
+        if (luminaire_places_.size() == limits::kLuminaires)
+          throw InputError(
+              description_.source(luminous.place),
+              fmt::format("the scene has more than {} luminous primitives, each of which is a light; make "
+                          "lamps of fewer (a sphere, a large polygon), or use fewer copies of them",
+                          limits::kLuminaires));
         Light light{.kind = LightKind::luminaire, .instance = i, .primitive = luminous.id};
-        light.first_vertex = luminous.first_vertex;
-        light.vertex_count = luminous.vertex_count;
-        light.material = material_of(luminous.id);
+        light.first_triangle = luminous.first_triangle;
+        light.triangle_count = luminous.triangle_count;
+        light.material = luminous.material;
         arrays_.lights.push_back(light);
+        luminaire_places_.push_back(luminous.place);
       }
   }
 
@@ -455,6 +450,7 @@ class Compiler {
 
   /// Makes the primitives of `objects` one part, which moves with `owner`.
   void add_part(uint32_t owner, std::span<const uint32_t> objects) {
+    throw_if_stopped(options_.stop);
     PartPrimitives primitives;
     for (const uint32_t object : objects)
       for (const PrimitiveDescription& p : description_.objects[object].primitives)
@@ -473,6 +469,7 @@ class Compiler {
     part.root = build_hierarchy(
         source, options_,
         [&](std::span<const PrimitiveReference> r) {
+          throw_if_stopped(options_.stop);
           return pack_leaf(r, primitives, arrays_.spheres, leaves);
         },
         arrays_.nodes);
@@ -483,7 +480,6 @@ class Compiler {
         static_cast<uint32_t>(arrays_.leaf_primitives.size()) - part.first_leaf_primitive;
     const std::array<uint32_t*, 4> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
                                           &part.quadric_count};  // in the order of PrimitiveKind
-    std::vector<Luminous> luminous;
     PrimitiveId previous = kNoPrimitive;
     for (uint32_t i = 0; i < primitives.ids.size(); ++i) {
       part.bounds.grow(source.bounds(i));
@@ -491,11 +487,8 @@ class Compiler {
       if (id == previous) continue;  // another triangle of the same polygon
       previous = id;
       ++*counts[static_cast<size_t>(id.kind())];
-      if (can_be_sampled(id, primitives.triangle_of[i])) luminous.push_back(make_luminous(id, primitives, i));
     }
-    std::sort(luminous.begin(), luminous.end(),
-              [](const auto& a, const auto& b) { return a.id.bits < b.id.bits; });
-    luminous_of_.push_back(std::move(luminous));
+    luminous_of_.push_back(luminaires_.take());
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(part);
   }
@@ -513,6 +506,7 @@ class Compiler {
     const auto index = static_cast<uint32_t>(arrays_.object_nodes.size());
     arrays_.object_nodes.push_back(node);
     if (part_of_[object] != kNone) arrays_.instances.push_back({index, part_of_[object]});
+    if (index % kPrimitivesPerLook == 0) throw_if_stopped(options_.stop);
     for (const ChildDescription& child : description_.objects[object].children)
       expand(child.object, index, child.transform);
   }
@@ -537,15 +531,18 @@ class Compiler {
       for (const PrimitiveReference& r : references) arrays_.leaf_instances.push_back(r.primitive);
       return make_child(ChildKind::instances, first, static_cast<uint32_t>(references.size()));
     };
-    arrays_.header[0].object_root = build_hierarchy(InstanceSource(arrays_.poses), {.max_primitives = 1},
-                                                    make_leaf, arrays_.object_part_nodes);
+    arrays_.header[0].object_root =
+        build_hierarchy(InstanceSource(arrays_.poses), {.max_primitives = 1, .stop = options_.stop},
+                        make_leaf, arrays_.object_part_nodes);
   }
 
   const SceneDescription& description_;
   BuildOptions options_;
   SceneArrays arrays_;
   std::vector<uint32_t> part_of_;
+  Luminaires luminaires_;
   std::vector<std::vector<Luminous>> luminous_of_;  ///< by part
+  std::vector<Place> luminaire_places_;
   std::map<const Curve*, uint32_t> curve_ids_;
   size_t dropped_ = 0;
 };

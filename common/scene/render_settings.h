@@ -48,15 +48,31 @@ struct RenderSettings {
   double diffuse_reach = 0;   ///< where a diffuse ray's strength has fallen to a half; 0: it never falls
   double diffuse_contrast =
       0;  ///< difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never
+  bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;
 
   template <typename Archive>
   void serialize(Archive& archive) {
     archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples,
-            adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, seed,
-            pixel_format);
+            adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast,
+            diffuse_jitter, seed, pixel_format);
   }
 };
+
+/// The most directions that the diffuse rays of a pixel are spread over; every renderer holds them.
+inline constexpr uint64_t kMostDiffuseDirections = 1 << 22;
+
+/// Their number: the thesis spreads one set of diffuse rays over all the samples of a pixel;
+/// over four for rays through corners, each of which four pixels share.
+inline uint64_t samples_that_share_directions(const RenderSettings& settings) {
+  return settings.sampling == SamplingPattern::corners ? 4 : settings.samples;
+}
+/// 0 in other models.
+inline uint64_t diffuse_directions_of(const RenderSettings& settings) {
+  return settings.lighting == LightingModel::thesis
+             ? settings.diffuse_rays * samples_that_share_directions(settings)
+             : 0;
+}
 
 }  // namespace rayfarm

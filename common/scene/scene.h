@@ -166,7 +166,7 @@ struct Scene {
   std::span<const double> goniometric_values;
   std::span<const double> environment_shares;  ///< by which texels of the environment are chosen
   std::span<const double> light_shares;        ///< cumulative: with which lights are chosen
-  std::span<const Vec3> luminaire_vertices;    ///< as rays meet them, rounded to float
+  std::span<const LuminaireTriangle> luminaire_triangles;
   std::span<const CurveRecord> curves;
   std::span<const double> key_frames;
   std::span<const Vec4> key_values;
@@ -216,7 +216,7 @@ void for_each_array(SceneType& s, Visitor visit) {
   visit("goniometric_values", s.goniometric_values);
   visit("environment_shares", s.environment_shares);
   visit("light_shares", s.light_shares);
-  visit("luminaire_vertices", s.luminaire_vertices);
+  visit("luminaire_triangles", s.luminaire_triangles);
   visit("curves", s.curves);
   visit("key_frames", s.key_frames);
   visit("key_values", s.key_values);

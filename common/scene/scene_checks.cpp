@@ -197,12 +197,12 @@ void check_lights(const Scene& s) {
     if (light.kind != LightKind::luminaire) continue;
     require(light.material < s.materials.size(), "a light's material");
     require(light.instance < s.instances.size(), "a light's instance");
-    const bool has_corners = exists(s, light.primitive, PrimitiveKind::polygon) ||
-                             exists(s, light.primitive, PrimitiveKind::triangle);
-    const size_t vertices = s.luminaire_vertices.size();
+    const bool has_triangles = exists(s, light.primitive, PrimitiveKind::polygon) ||
+                               exists(s, light.primitive, PrimitiveKind::triangle);
+    const size_t triangles = s.luminaire_triangles.size();
     require(exists(s, light.primitive, PrimitiveKind::sphere) ||
-                (has_corners && light.vertex_count >= 3 && light.first_vertex <= vertices &&
-                 light.vertex_count <= vertices - light.first_vertex),
+                (has_triangles && light.triangle_count >= 1 && light.first_triangle <= triangles &&
+                 light.triangle_count <= triangles - light.first_triangle),
             "a light's primitive");
   }
 }

@@ -29,6 +29,7 @@ inline constexpr size_t kPolygonPoints = 1'000'000;
 inline constexpr size_t kQuadricPlanes = 16;
 inline constexpr size_t kInstances = 4'000'000;  ///< the object tree, expanded
 inline constexpr size_t kLights = 10'000;
+inline constexpr size_t kLuminaires = 100'000;  ///< luminous primitives, expanded
 inline constexpr size_t kKeys = 1'000'000;
 inline constexpr uint64_t kTexturePixels = 1ull << 28;  ///< of one image, 16384²: 2 GiB with its mip map
 inline constexpr uint64_t kTexels = 1ull << 30;         ///< of all images with their mip maps: 6 GiB

@@ -1,9 +1,32 @@
 #include "common/scene/settings_codec.h"
 
+#include <fmt/core.h>
+
 #include <cereal/archives/portable_binary.hpp>
 #include <sstream>
 
 namespace rayfarm {
+
+void check_settings(const RenderSettings& settings) {
+  const PixelRect& crop = settings.crop;
+  const auto is_size = [](int pixels) { return pixels >= 1 && pixels <= 65536; };
+  if (!is_size(settings.width_px) || !is_size(settings.height_px) || crop.x0 < 0 || crop.y0 < 0 ||
+      crop.x0 >= crop.x1 || crop.y0 >= crop.y1 || crop.x1 > settings.width_px || crop.y1 > settings.height_px)
+    throw SettingsError("the picture has no such size or crop");
+  if (settings.lighting > LightingModel::path || settings.sampling > SamplingPattern::corners ||
+      settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral20 ||
+      settings.pixel_format > PixelFormat::float32)
+    throw SettingsError("a choice among the settings does not exist");
+  if (settings.samples < 1 || settings.max_depth < 1 || !(settings.min_weight >= 0) ||
+      !(settings.shutter >= 0) || !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
+      !(settings.diffuse_contrast >= 0))
+    throw SettingsError("a number among the settings is out of range");
+  if (const uint64_t directions = diffuse_directions_of(settings); directions > kMostDiffuseDirections)
+    throw SettingsError(fmt::format(
+        "the diffuse rays of all samples of a pixel are laid out at once: {} × {} are {}, more than "
+        "{}; lower --diffuse-rays or --samples",
+        settings.diffuse_rays, samples_that_share_directions(settings), directions, kMostDiffuseDirections));
+}
 
 std::vector<std::byte> encode_settings(const RenderSettings& settings) {
   std::ostringstream out;
@@ -20,7 +43,12 @@ RenderSettings decode_settings(std::span<const std::byte> bytes) {
   std::istringstream in(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   cereal::PortableBinaryInputArchive archive(in);
   RenderSettings settings;
-  archive(settings);
+  try {
+    archive(settings);
+  } catch (const cereal::Exception& e) {
+    throw SettingsError(fmt::format("the settings can't be read ({})", e.what()));
+  }
+  check_settings(settings);
   return settings;
 }
 

@@ -153,6 +153,7 @@ void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allo
   m.color = read_albedo(map, "color", Color(0), is_allowed);
   m.emission = map.require("emission").color();
   m.exponent = read_exponent(map);
+  if (auto inward = map.find("inward")) m.is_inward = inward->boolean() ? 1 : 0;
   map.finish();
   m.diffuse = 1;
 }

@@ -3,17 +3,27 @@
 #include <cmath>
 #include <vector>
 
+#include "common/math/double_double.h"
+
 namespace rayfarm {
 namespace {
 
+void set_bounds_of_terms(Quadric& q) {
+  double largest = 0;
+  for (const double v : q.a) largest = std::max(largest, std::abs(v));
+  // 2 b·x is at most x² + b², for any unit of length.
+  q.square_bound = 4 * largest;
+  q.rest_bound = std::abs(q.c) + (largest > 0 ? glm::dot(q.b, q.b) / largest : 0);
+}
+
 /// The real roots of a t² + 2 b t + c = 0 in increasing order; at most two. Numerically stable form.
-int solve(double a, double b, double c, double roots[2]) {
+int solve(double a, double b, double c, double roots[2], double& discriminant) {
+  discriminant = b * b - a * c;
   if (a == 0) {
     if (b == 0) return 0;
     roots[0] = -c / (2 * b);
     return 1;
   }
-  const double discriminant = b * b - a * c;
   if (!(discriminant >= 0)) return 0;
   const double q = -(b + std::copysign(std::sqrt(discriminant), b));
   if (q == 0) {
@@ -24,6 +34,39 @@ int solve(double a, double b, double c, double roots[2]) {
   roots[1] = c / q;
   if (roots[0] > roots[1]) std::swap(roots[0], roots[1]);
   return 2;
+}
+
+/// The equation at `p` without cancellation.
+double exact_value(const Quadric& q, const Vec3& p) {
+  const DoubleDouble x = DoubleDouble::sum(p.x, -q.origin.x), y = DoubleDouble::sum(p.y, -q.origin.y),
+                     z = DoubleDouble::sum(p.z, -q.origin.z);
+  const auto& a = q.a;
+  const DoubleDouble gx = x * a[0] + y * a[3] + z * a[4] + 2 * q.b.x,
+                     gy = x * a[3] + y * a[1] + z * a[5] + 2 * q.b.y,
+                     gz = x * a[4] + y * a[5] + z * a[2] + 2 * q.b.z;
+  return (x * gx + y * gy + z * gz + q.c).high;
+}
+
+/// A root of the ray's equation, as close to the surface as rounding_bound() promises; none if the ray passes
+/// the surface by. Where a surface is long and thin the terms are far larger than their sum, and the root
+/// needs more digits.
+std::optional<double> refined(const Quadric& q, const Vec3& origin, const Vec3& direction, double t) {
+  constexpr double kTolerance = 0x1p-46;  // half of rounding_bound's
+  constexpr int kMostSteps = 4;
+  for (int step = 0;; ++step) {
+    const Vec3 p = origin + t * direction, gradient = q.gradient(p);
+    const double off = exact_value(q, p);
+    const double tolerance = 2 * kTolerance * std::max(max_magnitude(p), max_magnitude(origin));
+    if (off * off <= tolerance * tolerance * glm::dot(gradient, gradient)) return t;
+    if (step == kMostSteps) return std::nullopt;
+    // The same equation about p; where rounding alone made it a hit, the place where the ray comes closest.
+    const double a = glm::dot(direction, q.multiply(direction)), b = glm::dot(gradient, direction);
+    const double discriminant = b * b - a * off;
+    if (discriminant >= 0 && b != 0)
+      t -= off / (b + std::copysign(std::sqrt(discriminant), b));
+    else if (a != 0)
+      t -= b / a;
+  }
 }
 
 struct Line {
@@ -48,6 +91,7 @@ Quadric make_quadric(const std::array<double, 10>& k, const Vec3& origin) {
   const Vec3 ao = q.multiply(origin);
   q.b = ao + linear;
   q.c = glm::dot(origin, ao) + 2 * glm::dot(linear, origin) + k[9];
+  set_bounds_of_terms(q);
   return q;
 }
 
@@ -65,6 +109,7 @@ Quadric make_cone(const Vec3& base, double base_radius, const Vec3& apex, double
          -k * axis.x * axis.y,    -k * axis.x * axis.z,    -k * axis.y * axis.z};
   q.b = -(slope * r0) * axis;
   q.c = -r0 * r0;
+  set_bounds_of_terms(q);
   planes[0] = Vec4(axis, glm::dot(axis, apex));
   planes[1] = Vec4(-axis, -glm::dot(axis, base));
   return q;
@@ -74,21 +119,41 @@ std::optional<double> intersect(const Quadric& quadric, std::span<const Vec4> pl
                                 const Vec3& direction, double t_max) {
   // Start where the line passes the surface's middle: from afar the squares of large coordinates would
   // cancel, and with them the digits that place a small surface.
-  const double middle = glm::dot(quadric.origin - origin, direction) / glm::dot(direction, direction);
+  const double direction2 = glm::dot(direction, direction);
+  const double middle = glm::dot(quadric.origin - origin, direction) / direction2;
   const Vec3 o = (origin - quadric.origin) + middle * direction;
   const Vec3 ad = quadric.multiply(direction);
   const double a = glm::dot(direction, ad);
   const double b = glm::dot(o, ad) + glm::dot(quadric.b, direction);
   const double c = glm::dot(o, quadric.multiply(o)) + 2 * glm::dot(quadric.b, o) + quadric.c;
-  double roots[2];
-  const int count = solve(a, b, c, roots);
-  for (int i = 0; i < count; ++i) {
-    const double t = middle + roots[i];
-    if (!(t > 0 && t <= t_max)) continue;
+  double roots[2], discriminant;
+  const int count = solve(a, b, c, roots, discriminant);
+  // `slack` is a length.
+  const double speed = max_magnitude(direction);
+  const auto is_kept = [&](double t, double slack) {
+    if (!(t * speed > -slack && (t - t_max) * speed <= slack)) return false;
     const Vec3 p = origin + t * direction;
-    bool inside = true;
-    for (const Vec4& plane : planes) inside = inside && glm::dot(Vec3(plane), p) <= plane.w;
-    if (inside) return t;
+    for (const Vec4& plane : planes)
+      if (!(glm::dot(Vec3(plane), p) <= plane.w + slack * max_magnitude(Vec3(plane)))) return false;
+    return true;
+  };
+  constexpr double kSlack = 1e-4;  // most roots lie farther outside; only the others need all their digits
+  constexpr double kMostTerms = 8;
+  for (int i = 0; i < count; ++i) {
+    double t = middle + roots[i];
+    const double magnitude = max_magnitude(origin) + std::abs(t) * speed;
+    if (!is_kept(t, kSlack * magnitude)) continue;
+    // The gradient is no shorter than the discriminant tells, so a root is not farther off than the terms'
+    // rounding over it.
+    const double terms =
+        quadric.square_bound * (glm::dot(o, o) + roots[i] * roots[i] * direction2) + quadric.rest_bound;
+    const double most = kMostTerms * magnitude;
+    if (!(terms * terms * direction2 <= most * most * discriminant)) {
+      const std::optional<double> better = refined(quadric, origin, direction, t);
+      if (!better) continue;
+      t = *better;
+    }
+    if (is_kept(t, 0)) return t;
   }
   return std::nullopt;
 }
@@ -141,9 +206,10 @@ std::optional<Box> quadric_bounds(const Quadric& quadric, std::span<const Vec4> 
     const double b = glm::dot(line.point, ad) + glm::dot(quadric.b, line.direction);
     const double c =
         glm::dot(line.point, quadric.multiply(line.point)) + 2 * glm::dot(quadric.b, line.point) + quadric.c;
-    int count = solve(a, b, c, roots);
+    double discriminant;
+    int count = solve(a, b, c, roots, discriminant);
     if (count == 0 && a != 0 &&
-        b * b - a * c > -1e-12 * (b * b + std::abs(a * c))) {  // touches, but for rounding
+        discriminant > -1e-12 * (b * b + std::abs(a * c))) {  // touches, but for rounding
       roots[0] = -b / a;
       count = 1;
     }

@@ -15,6 +15,8 @@ struct Quadric {
   std::array<double, 6> a{};  ///< xx yy zz xy xz yz
   Vec3 b{0};
   double c = 0;
+  /// The terms at x are not larger in sum than square_bound x² + rest_bound: what their rounding depends on.
+  double square_bound = 0, rest_bound = 0;
   uint32_t first_plane = 0;
   uint32_t plane_count = 0;
   uint32_t material = 0;

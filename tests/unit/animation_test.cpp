@@ -1,6 +1,7 @@
 #include "common/scene/animation.h"
 
 #include "common/hierarchy/traverser.h"
+#include "common/lighting/moments.h"
 #include "common/scene/camera.h"
 #include "tests/unit/test_scene.h"
 
@@ -73,6 +74,15 @@ TEST(Camera, FieldOfViewSpansTheWidthAndPixelsAreSquare) {
           compile(test::load_yaml("view: {location: [0, 0, 0], direction: [0, 1, 0]}\nscene: []\n")).scene, 0,
           4, 4),
       std::domain_error);
+}
+
+TEST(Moments, SamplesAtTheEndOfTheShutterHaveOne) {
+  const double last = std::nextafter(1.0, 0.0);
+  for (const uint32_t samples : {1u, 3u, 1u << 20})
+    for (const size_t moments : {size_t{1}, size_t{64}}) {
+      EXPECT_EQ(moment_index(moments, 0, samples), 0u);
+      EXPECT_EQ(moment_index(moments, samples - 1 + last, samples), moments - 1);
+    }
 }
 
 }  // namespace

@@ -236,6 +236,14 @@ TEST(Settings, ThereAndBack) {
   EXPECT_EQ(back.crop, settings.crop);
   EXPECT_EQ(back.sampling, SamplingPattern::corners);
   EXPECT_THROW(decode_settings(std::vector<std::byte>(3)), std::exception);
+  // As many diffuse rays and samples as there may be of each: their product once wrapped round to 0.
+  settings.sampling = SamplingPattern::sobol;
+  settings.lighting = LightingModel::thesis;
+  settings.diffuse_rays = 4096;
+  settings.samples = 1 << 20;
+  EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
+  settings.samples = 1 << 10;
+  EXPECT_EQ(decode_settings(encode_settings(settings)).diffuse_rays, 4096u);
 }
 
 }  // namespace

@@ -85,6 +85,54 @@ TEST(Quadric, SmallAndFarKeepsItsDigits) {
   EXPECT_NEAR(*t, 999.99, 1e-11);
 }
 
+TEST(Quadric, LongAndThinKeepsItsDigits) {
+  // Whatever its clip, hits lie within half of what surfaces allow for rounding; the paraboloid x² + z² = y
+  // and a cylinder, met from inside, from along them and from beside.
+  std::mt19937 random(4);
+  for (const double length : {8.0, 512.0, 1e4, 1e6}) {
+    const std::vector<Vec4> below{Vec4(0, 1, 0, length)};
+    const Quadric paraboloid = make_quadric({1, 0, 1, 0, 0, 0, 0, -0.5, 0, 0}, Vec3(0, 0.5 * length, 0));
+    const Vec3 axis = normalized(Vec3(1, 2, -0.7));
+    std::array<Vec4, 2> ends;
+    const Quadric cylinder = make_cone(-0.5 * length * axis, 1, 0.5 * length * axis, 1, ends);
+    for (const bool is_cylinder : {false, true}) {
+      const Quadric& q = is_cylinder ? cylinder : paraboloid;
+      double worst = 0;
+      int found = 0;
+      for (int i = 0; i < 20'000; ++i) {
+        const double u = std::pow(10, test::uniform(random, -3, 0)), phi = test::uniform(random, 0, 6.28);
+        const double wide = is_cylinder ? 1 : u * std::sqrt(length);
+        const Vec3 across = normalized(glm::cross(axis, Vec3(1, 0, 0)));
+        const Vec3 p = is_cylinder ? (u - 0.5) * length * axis + std::cos(phi) * across +
+                                         std::sin(phi) * glm::cross(axis, across)
+                                   : Vec3(wide * std::cos(phi), wide * wide, wide * std::sin(phi));
+        const Vec3 from = i % 3 == 0   ? p + test::random_point(random, wide)
+                          : i % 3 == 1 ? test::random_point(random, length)
+                                       : 0.7 * length * (is_cylinder ? axis : Vec3(0, 2, 0)) +
+                                             test::random_point(random, 1);
+        const Vec3 direction = normalized(p - from);
+        const auto t =
+            intersect(q, is_cylinder ? std::span<const Vec4>(ends) : below, from, direction, 1e300);
+        if (!t) continue;
+        ++found;
+        const Vec3 hit = from + *t * direction;
+        const long double x = hit.x - static_cast<long double>(q.origin.x),
+                          y = hit.y - static_cast<long double>(q.origin.y),
+                          z = hit.z - static_cast<long double>(q.origin.z);
+        const auto& a = q.a;
+        const long double value = x * (a[0] * x + a[3] * y + a[4] * z + 2 * q.b.x) +
+                                  y * (a[3] * x + a[1] * y + a[5] * z + 2 * q.b.y) +
+                                  z * (a[4] * x + a[5] * y + a[2] * z + 2 * q.b.z) + q.c;
+        const double off = std::abs(static_cast<double>(value)) / (2 * glm::length(q.gradient(hit)));
+        worst = std::max(
+            worst, off / std::max({max_magnitude(hit), max_magnitude(from), *t * max_magnitude(direction)}));
+      }
+      EXPECT_GT(found, 15'000);
+      EXPECT_LE(worst, 0x1p-45) << (is_cylinder ? "cylinder " : "paraboloid ") << length;
+    }
+  }
+}
+
 Polygon make_polygon(std::span<const Vec3> points) {
   Polygon p;
   p.normal = normalized(newell_normal(points));

@@ -1,0 +1,23 @@
+#pragma once
+// Why pictures of a scene without fault may be black.
+#include <optional>
+
+#include "common/scene/render_settings.h"
+#include "common/scene/scene.h"
+#include "common/scene/scene_description.h"
+
+namespace rayfarm {
+
+/// Notes luminous triangles and polygons that shine away from all there is; `places` are the luminaires', in
+/// the order of the scene's lights.
+void note_turned_lamps(const SceneDescription& description, const Scene& scene, std::span<const Place> places,
+                       Notes& notes);
+
+/// True if nothing that the lighting model takes light from shines: pictures are black, whatever they show.
+bool is_dark(const Scene& scene, const RenderSettings& settings);
+
+/// What to say if the camera of `frame` sees no object; nothing if it sees any, or may. `frame` is the
+/// scene's first. Throws std::domain_error if there is no such view.
+std::optional<std::string> nothing_in_view(const Scene& scene, double frame, int width_px, int height_px);
+
+}  // namespace rayfarm
