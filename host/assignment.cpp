@@ -117,11 +117,11 @@ void Assignment::hand_out(double now) {
 
 void Assignment::hear(int node, double now) {
   NodeState& state = node_state(node);
+  if (state.is_expelled) return;
   state.heard = now;
   if (!state.is_lost) return;
   state.is_lost = false;
   state.freed = now;
-  all_lost_told_ = false;
   actions_.emplace_back(NodeReturned{node});
   hand_out(now);
 }
@@ -136,7 +136,9 @@ void Assignment::finish_subpolygon(Key key) {
 }
 
 bool Assignment::accept(int node, int frame, int subpolygon, double now) {
-  if (frame < 0 || frame >= opened_ || subpolygon < 0 || subpolygon >= options_.grid.count()) return false;
+  if (frame < 0 || frame >= opened_ || subpolygon < 0 || subpolygon >= options_.grid.count() ||
+      node_state(node).is_expelled)
+    return false;
   hear(node, now);
   const Key key{frame, subpolygon};
   NodeState& state = node_state(node);
@@ -156,7 +158,9 @@ bool Assignment::accept(int node, int frame, int subpolygon, double now) {
 }
 
 void Assignment::fail(int node, int frame, int subpolygon, const std::string& problem, double now) {
-  if (frame < 0 || frame >= opened_ || subpolygon < 0 || subpolygon >= options_.grid.count()) return;
+  if (frame < 0 || frame >= opened_ || subpolygon < 0 || subpolygon >= options_.grid.count() ||
+      node_state(node).is_expelled)
+    return;
   hear(node, now);
   const Key key{frame, subpolygon};
   std::erase(node_state(node).assigned, key);
@@ -183,9 +187,9 @@ void Assignment::mark_lost(int node, double now) {
   NodeState& state = node_state(node);
   if (state.is_lost) return;
   state.is_lost = true;
+  actions_.emplace_back(NodeLost{node, !state.assigned.empty() || state.own_left > 0, state.is_expelled});
   state.own_left = 0;
   state.assigned.clear();
-  actions_.emplace_back(NodeLost{node});
   std::deque<Key> orphans;
   for (int f = 0; f < opened_; ++f) {
     Frame& frame = frames_[static_cast<size_t>(f)];
@@ -199,15 +203,24 @@ void Assignment::mark_lost(int node, double now) {
     }
   }
   waiting_.insert(waiting_.begin(), orphans.begin(), orphans.end());
-  if (nodes_alive() == 0 && !all_lost_told_) {
-    all_lost_told_ = true;
-    actions_.emplace_back(AllNodesLost{});
-  }
+  if (nodes_alive() == 0) all_lost_since_ = now;
+  give_up_without_nodes(now);
   hand_out(now);
 }
 
-void Assignment::lose(int node, double now) {
+void Assignment::give_up_without_nodes(double now) {
+  if (is_given_up_ || nodes_alive() > 0) return;
+  const bool one_may_return =
+      std::any_of(nodes_.begin(), nodes_.end(), [](const NodeState& n) { return !n.is_expelled; });
+  if (one_may_return && now - all_lost_since_ < options_.give_up_after_s) return;
+  is_given_up_ = true;
+  actions_.emplace_back(AllNodesLost{});
+}
+
+void Assignment::expel(int node, double now) {
+  if (std::exchange(node_state(node).is_expelled, true)) return;
   mark_lost(node, now);
+  give_up_without_nodes(now);
 }
 
 void Assignment::release(int frame, double now) {
@@ -223,6 +236,7 @@ void Assignment::release(int frame, double now) {
 void Assignment::tick(double now) {
   for (int node = 1; node <= options_.nodes; ++node)
     if (now - node_state(node).heard > options_.lost_after_s) mark_lost(node, now);
+  give_up_without_nodes(now);
   hand_out(now);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Who traces what: a pure state machine. Events and the time go in, actions come out; it sends nothing and
-// reads no clock, so that every fault can be played through in a test. One machine, two policies:
+// reads no clock, so that every fault can be played through in a test. Time is that of a ListeningClock, in
+// which pauses of the host do not count. One machine, two policies:
 //  - on demand: the host hands out subpolygons, two at each node, and gives what a slow or lost node holds to
 //  others;
 //  - interleaved (thesis 4.4.4.2): each node knows its own set; only what a lost node leaves behind is handed
@@ -24,8 +25,9 @@ struct AssignmentOptions {
   int frames = 1;
   int window_frames = 3;  ///< frames begun but not yet released: bounds the host's memory
   int held_per_node = 2;
-  int most_tries = 3;            ///< of a subpolygon whose tracing fails
-  double lost_after_s = 8;       ///< a node that is silent for so long is lost
+  int most_tries = 3;                               ///< of a subpolygon whose tracing fails
+  double lost_after_s = liveness::kNodeTimeout_s;   ///< a node that is silent for so long is lost
+  double give_up_after_s = liveness::kAllSilent_s;  ///< all nodes are lost, but one may return
   double duplicate_after_s = 1;  ///< an idle node helps with what another has held for at least so long
 };
 
@@ -45,6 +47,8 @@ struct FrameFailed {
 };
 struct NodeLost {
   int node = 0;
+  bool had_work = false;  ///< which others do now
+  bool is_expelled = false;
 };
 struct NodeReturned {  ///< a node thought lost was heard of again
   int node = 0;
@@ -63,8 +67,8 @@ class Assignment {
   bool accept(int node, int frame, int subpolygon, double now);
   /// A node could not trace a subpolygon.
   void fail(int node, int frame, int subpolygon, const std::string& problem, double now);
-  /// A node can do no more (it could not load, or sends nonsense).
-  void lose(int node, double now);
+  /// A node failed: it is gone, could not load, or sends nonsense. Whatever it says from now on is dropped.
+  void expel(int node, double now);
   /// A complete or failed frame needs no more memory.
   void release(int frame, double now);
   /// Time has passed.
@@ -97,6 +101,7 @@ class Assignment {
   };
   struct NodeState {
     bool is_lost = false;
+    bool is_expelled = false;  ///< and stays lost
     double heard = 0;
     double freed = 0;           ///< when it last returned something
     std::vector<Key> assigned;  ///< handed out by the host, not yet returned
@@ -110,6 +115,7 @@ class Assignment {
   std::optional<Key> oldest_held_by_another(int node, double now);
   void finish_subpolygon(Key key);
   void mark_lost(int node, double now);
+  void give_up_without_nodes(double now);
   /// Interleaved: the node whose set holds the subpolygon.
   int owner_of(int frame, int subpolygon) const;
   bool is_own(int node, Key key) const;
@@ -125,7 +131,8 @@ class Assignment {
   std::vector<Action> actions_;
   int opened_ = 0;    ///< frames before this index are open or over
   int released_ = 0;  ///< how many frames are released
-  bool all_lost_told_ = false;
+  double all_lost_since_ = 0;
+  bool is_given_up_ = false;
 };
 
 }  // namespace rayfarm

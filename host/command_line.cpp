@@ -8,7 +8,9 @@
 #include <sstream>
 
 #include "common/sampling/sampler.h"
+#include "common/scene/settings_codec.h"
 #include "host/exit_code.h"
+#include "host/help.h"
 #include "host/net/net_commands.h"
 #include "host/output_pattern.h"
 
@@ -53,11 +55,17 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
   RenderOptions& o = line.render;
   CLI::App* render = app.add_subcommand("render", "render a scene to image files");
   render->add_option("SCENE", o.scene, ".yaml or .nff")->required();
-  render->add_option("-o,--output", o.output, "FILE.exr or FILE.png; #### becomes the frame number")
-      ->required();
-  render->add_option(
-      "--frames", o.frames,
-      "1-10, 1-10x2 or 1,5,9 (default: the scene's frames if the name has ####, else the first)");
+  render
+      ->add_option(
+          "-o,--output", o.output,
+          "FILE.exr or FILE.png, required; #### becomes the frame number; its folder is made if the one "
+          "above it is there")
+      ->required()
+      ->type_name("FILE");
+  render
+      ->add_option("--frames", o.frames,
+                   "1-10, 1-10x2 or 1,5,9 (default: the scene's frames if the name has ####, else the first)")
+      ->type_name("FRAMES");
   render
       ->add_option_function<std::string>(
           "--size",
@@ -99,12 +107,15 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
           "thesis's model: trace a ray between neighbours that differ by more in the pixel (default: "
           "0, never)")
       ->check(CLI::Range(0.0, 1e6));
+  render->add_flag("--diffuse-jitter", o.settings.diffuse_jitter,
+                   "thesis's model: diffuse rays at random in their parts of the bands: noise where fixed "
+                   "places are wrong on curved bodies");
   render->add_option("--samples,--spp", o.settings.samples, "rays per pixel (default: 1)")
       ->check(CLI::Range(1u, 1u << 20));
   render
       ->add_option("--adaptive", o.settings.adaptive_contrast,
                    "trace all samples only in pixels whose first sample differs by more than this from a "
-                   "neighbour's (default: 0, in all)")
+                   "neighbour's (default: 0, in all); not with --lighting path")
       ->check(CLI::Range(0.0, 1e6));
   add_choice<SamplingPattern>(render, "--sampling", o.settings.sampling,
                               {{"sobol", SamplingPattern::sobol},
@@ -176,7 +187,7 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
   render
       ->add_option("--node-timeout", o.node_timeout_s,
                    "seconds of silence after which a node is lost (default: 8)")
-      ->check(CLI::Range(2.0, 3600.0));
+      ->check(CLI::Range(liveness::kLeastNodeTimeout_s, 3600.0));
   render->add_flag(
       "!--no-rotation", o.rotates,
       "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
@@ -194,19 +205,35 @@ void add_render(CLI::App& app, CommandLine& line, std::optional<PixelFormat>& pi
                    "1,1,2: factors on --processor-time by node, in turn; 2 takes twice as long")
       ->delimiter(',')
       ->check(CLI::Range(1e-3, 1e3));
-  render->add_option(
-      "--cost-map", o.cost_map,
-      "write to this JSON file what each subpolygon took and weighs (rayfarm simulate reads it)");
-  render->add_flag("--skip-existing", o.skip_existing, "do not render frames whose file is already there");
-  render->add_option("--stats", o.stats, "write statistics to this JSON file");
+  render
+      ->add_option("--cost-map", o.cost_map,
+                   "write to this JSON file what each subpolygon took and weighs (rayfarm simulate reads it)")
+      ->type_name("FILE");
+  render->add_flag("--skip-existing", o.skip_existing,
+                   "leave out frames whose file is there, whole, and of this scene and these settings");
+  render->add_option("--stats", o.stats, "write statistics to this JSON file")->type_name("FILE");
   add_choice<ProgressStyle>(render, "--progress", o.progress,
                             {{"auto", ProgressStyle::automatic},
                              {"tty", ProgressStyle::tty},
                              {"plain", ProgressStyle::plain},
                              {"none", ProgressStyle::none}},
                             "progress display (default: auto)");
+  add_choice<bool>(render, "--report", o.is_full_report, {{"short", false}, {"full", true}},
+                   "what is said at the end: ten lines, or all that an experimenter asks (default: short)");
   render->add_flag("-q,--quiet", o.is_quiet, "errors only");
   render->add_flag("-v,--verbose", o.is_verbose, "tell more");
+  group_options(
+      *render,
+      {{"Picture", {"--output", "--frames", "--size", "--crop", "--pixel-format", "--skip-existing"}},
+       {"Sampling", {"--samples", "--adaptive", "--sampling", "--filter", "--shutter", "--seed"}},
+       {"Light",
+        {"--lighting", "--max-depth", "--min-weight", "--colour", "--diffuse-rays", "--diffuse-reach",
+         "--diffuse-contrast", "--diffuse-jitter"}},
+       {"Hierarchy", {"--hierarchy", "--max-primitives"}},
+       {"Nodes and net",
+        {"--local-nodes", "--node-timeout", "--assign", "--no-rotation", "--subpolygons", "--wire",
+         "--compression", "--processor-time", "--processor-times"}},
+       {"Messages", {"--progress", "--report", "--quiet", "--verbose", "--stats", "--cost-map"}}});
   render->callback([&line] { line.kind = CommandKind::render; });
 }
 
@@ -227,6 +254,11 @@ void check_render(const RenderOptions& o) {
     if (frames.size() > 1 && !has_frame_pattern(o.output))
       throw CLI::ValidationError(fmt::format("-o {}: several frames need #### in the file's name", o.output));
   }
+  try {
+    check_settings(o.settings);
+  } catch (const std::runtime_error& e) {
+    throw CLI::ValidationError(e.what());
+  }
   if (o.settings.sampling == SamplingPattern::poisson && o.settings.samples > Sampler::kMostPoissonSamples)
     throw CLI::ValidationError(fmt::format(
         "--sampling poisson lays out at most {} samples; use sobol for more", Sampler::kMostPoissonSamples));
@@ -238,6 +270,11 @@ void check_render(const RenderOptions& o) {
     throw CLI::ValidationError("--sampling corners takes one ray per corner; leave --samples at 1");
   if (o.settings.adaptive_contrast > 0 && o.settings.samples < 2)
     throw CLI::ValidationError("--adaptive chooses where more than one sample is taken; set --samples");
+  if (o.settings.adaptive_contrast > 0 && o.settings.lighting == LightingModel::path)
+    throw CLI::ValidationError(
+        "--adaptive compares the first samples of neighbouring pixels, which differ everywhere where light "
+        "is "
+        "found by chance: it suits phong, torrance-sparrow, whitted and thesis, not path");
   if (!o.time_factors.empty() && !(o.ray_time_s > 0))
     throw CLI::ValidationError("--processor-times are factors on --processor-time; give that, too");
   if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)
@@ -250,6 +287,7 @@ void check_render(const RenderOptions& o) {
 CommandLine parse_command_line(int argc, char** argv) {
   CommandLine line;
   CLI::App app{"Rayfarm: a ray tracing render farm on Open MPI", "rayfarm"};
+  app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag("--version", "rayfarm " RAYFARM_VERSION);
   app.require_subcommand(1);
   std::optional<PixelFormat> pixel_format;
@@ -309,9 +347,10 @@ CommandLine parse_command_line(int argc, char** argv) {
     const int code = app.exit(e, out, err);
     line.kind = CommandKind::none;
     line.exit_code = code == 0 ? kComplete : kUsageError;
-    line.message =
-        code == 0 ? out.str()
-                  : fmt::format("rayfarm: {}\nTry 'rayfarm --help' or 'rayfarm COMMAND --help'.\n", e.what());
+    const std::string unknown = find_unknown_word(app, argc, argv);
+    line.message = code == 0 ? out.str()
+                             : fmt::format("rayfarm: {}\nTry 'rayfarm --help' or 'rayfarm COMMAND --help'.\n",
+                                           unknown.empty() ? e.what() : unknown);
   }
   return line;
 }

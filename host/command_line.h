@@ -30,11 +30,11 @@ struct RenderOptions {
   SplitRule split_rule = SplitRule::sah;
   uint32_t max_primitives = 8;  ///< in a leaf of the hierarchy
   int local_nodes = 0;          ///< 0: one per core
-  double node_timeout_s = 8;
+  double node_timeout_s = liveness::kNodeTimeout_s;
   bool skip_existing = false;
   std::string stats, cost_map;
   ProgressStyle progress = ProgressStyle::automatic;
-  bool is_quiet = false, is_verbose = false;
+  bool is_quiet = false, is_verbose = false, is_full_report = false;
 };
 
 struct CompareOptions {

@@ -12,8 +12,10 @@ namespace rayfarm {
 struct Farm {
   Transport& transport;
   int ranks = 1;
-  /// Gives every node the scene's block; the bytes may go when it returns unless the farm is local.
-  std::function<void(std::span<const std::byte> block, const std::function<void(const std::string&)>& warn)>
+  /// Gives every node the scene's block; the bytes may go when it returns unless the farm is local. Ends the
+  /// process if `names_the_gone` names a node.
+  std::function<void(std::span<const std::byte> block, const std::function<void(const std::string&)>& warn,
+                     const std::function<std::string()>& names_the_gone)>
       load_data;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cstring>
+#include <limits>
 
 #include "host/interrupt.h"
 #include "protocol/block_codec.h"
@@ -12,6 +13,7 @@ namespace rayfarm {
 namespace {
 
 constexpr double kTickInterval_s = 0.1;
+constexpr double kSignInterval_s = 0.5;
 
 AssignmentOptions assignment_options(const FarmHostOptions& o) {
   AssignmentOptions a;
@@ -20,7 +22,8 @@ AssignmentOptions assignment_options(const FarmHostOptions& o) {
   a.rotates = o.plan.rotates;
   a.nodes = o.plan.processors;
   a.frames = static_cast<int>(o.plan.frames.size());
-  a.lost_after_s = o.node_timeout_s;
+  a.window_frames = o.window_frames;
+  a.lost_after_s = o.signs.empty() ? std::numeric_limits<double>::infinity() : o.node_timeout_s;
   return a;
 }
 
@@ -31,7 +34,7 @@ FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResu
       options_(options),
       result_(result),
       tell_(std::move(tell)),
-      assignment_(assignment_options(options), now_s()),
+      assignment_(assignment_options(options), listening_.turn(now_s())),
       progress_(options.progress,
                 static_cast<uint64_t>(options.image.window.area()) * options.plan.frames.size()),
       frames_(options.plan.frames.size()),
@@ -56,11 +59,10 @@ int FarmHost::frame_index(uint32_t frame) const {
 void FarmHost::run() {
   const double begin = now_s(), cpu_begin = cpu_s();
   result_.times.trace_began_unix_s = unix_s();
-  double ticked = 0, traced = begin;
-  Heartbeat heartbeat;
+  double ticked = 0, looked = 0, traced = begin;
   Backoff backoff;
   while (!assignment_.is_over() && !is_over_) {
-    const double now = now_s();
+    const double now = listening_.turn(now_s());
     bool is_idle = true;
     // A bounded number of messages a turn: whatever comes in, time-outs and signals are looked at too.
     for (int i = 0; i < 1000; ++i) {
@@ -71,18 +73,26 @@ void FarmHost::run() {
       receive(*message, now);
       if (result_.pixels_received != before) traced = now_s();  // tracing ends with the last result
     }
-    heartbeat.beat(transport_);
+    if (now - looked > kSignInterval_s) {
+      expel_the_gone(now);
+      looked = now;
+    }
     if (now - ticked > kTickInterval_s) {
       assignment_.tick(now);
       ticked = now;
     }
     take_written(now);
+    if (const bool none = assignment_.nodes_alive() == 0; none != is_waiting_for_any_) {
+      is_waiting_for_any_ = none;
+      if (none)
+        tell_(fmt::format("no node can be heard; the host waits {:g} s for one", liveness::kAllSilent_s));
+    }
     for (const Action& action : assignment_.take_actions()) carry_out(action);
     if (interrupted_by() != 0) {
       result_.was_interrupted = true;
       is_over_ = true;
     }
-    progress_.show(now - begin, result_.pixels_kept, total(result_.rays),
+    progress_.show(now_s() - begin, result_.pixels_kept, total(result_.rays),
                    transport_.meter()->total(Command::return_result).bytes, assignment_.nodes_alive());
     if (is_idle) {
       backoff.wait();
@@ -90,6 +100,8 @@ void FarmHost::run() {
       backoff.reset();
     }
   }
+  writer_.finish();
+  take_written(listening_.now());
   const double end = now_s();
   result_.times.host_cpu_s = cpu_s() - cpu_begin;
   result_.times.trace_s = (traced > begin ? traced : end) - begin;
@@ -114,9 +126,21 @@ void FarmHost::receive(const Message& message, double now) {
     }
     assignment_.hear(node, now);
   } catch (const ProtocolError& e) {
-    tell_(fmt::format("node {} sent what can't be understood ({}); it gets no more work", node, e.what()));
-    assignment_.lose(node, now);
+    expel(node, fmt::format("sent what can't be understood ({})", e.what()), now);
   }
+}
+
+void FarmHost::expel(int node, const std::string& problem, double now) {
+  NodeResult& result = result_.nodes[static_cast<size_t>(node) - 1];
+  if (!result.problem.empty()) return;
+  result.problem = problem;
+  if (result.is_lost) tell_(fmt::format("node {} {}; it stays lost", node, problem));
+  assignment_.expel(node, now);
+}
+
+void FarmHost::expel_the_gone(double now) {
+  for (size_t i = 0; i < options_.signs.size(); ++i)
+    if (options_.signs[i].is_gone()) expel(static_cast<int>(i) + 1, "its process is gone", now);
 }
 
 void FarmHost::receive_control(int node, const Control& control, double now) {
@@ -128,8 +152,7 @@ void FarmHost::receive_control(int node, const Control& control, double now) {
     assignment_.fail(node, frame_index(failed->frame), static_cast<int>(failed->subpolygon), failed->problem,
                      now);
   } else if (const auto* broken = std::get_if<NodeFailed>(&control)) {
-    tell_(fmt::format("node {} could not load the scene: {}", node, broken->problem));
-    assignment_.lose(node, now);
+    expel(node, fmt::format("could not load the scene: {}", broken->problem), now);
   }
 }
 
@@ -210,6 +233,8 @@ void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<c
   FrameResult& frame_result = result_.frames[static_cast<size_t>(index)];
   frame_result.traced_by[static_cast<size_t>(subpolygon)] = node;
   frame_result.costs[static_cast<size_t>(subpolygon)] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
+  frame_result.sees_anything |= report.sees_anything;
+  frame_result.not_finite += report.not_finite;
   for (size_t i = 0; i < report.rays.size(); ++i) {
     frame_result.rays[i] += report.rays[i];
     result_.rays[i] += report.rays[i];
@@ -240,21 +265,47 @@ void FarmHost::carry_out(const Action& action) {
     frames_[i].pixels = {};
     result_.frames[i].problem = fmt::format("a subpolygon failed three times: {}", failed->problem);
     tell_(fmt::format("frame {} failed: {}", result_.frames[i].frame, result_.frames[i].problem));
-    assignment_.release(failed->frame, now_s());
+    assignment_.release(failed->frame, listening_.now());
   } else if (const auto* lost = std::get_if<NodeLost>(&action)) {
     NodeResult& node = result_.nodes[static_cast<size_t>(lost->node) - 1];
     node.is_lost = true;
+    node.had_work |= lost->had_work;
     pixels_of_node_[static_cast<size_t>(lost->node)] = {};
-    tell_(fmt::format("node {} on {} (process {}) is lost; others do its work", node.id, node.machine,
-                      node.pid));
+    tell_(fmt::format(
+        "node {} on {} (process {}) {}: {}; {}", node.id, node.machine, node.pid,
+        lost->is_expelled ? "failed" : "is lost",
+        lost->is_expelled ? node.problem : fmt::format("silent for {:g} s", options_.node_timeout_s),
+        lost->had_work ? "others do its work" : "it had no work in hand"));
   } else if (const auto* returned = std::get_if<NodeReturned>(&action)) {
     result_.nodes[static_cast<size_t>(returned->node) - 1].is_lost = false;
     frame_of_node_[static_cast<size_t>(returned->node)] = -1;
     tell_(fmt::format("node {} is back", returned->node));
   } else {
+    for (const NodeResult& node : result_.nodes)
+      if (result_.why_all_are_lost.empty() && !node.problem.empty())
+        result_.why_all_are_lost = fmt::format(" (node {}: {})", node.id, node.problem);
     result_.lost_all_nodes = true;
     is_over_ = true;
   }
+}
+
+void FarmHost::tell_what_is_odd(const FrameResult& frame) const {
+  if (frame.not_finite > 0)
+    tell_(
+        fmt::format("frame {}: {} pixels are infinite or not a number; the scene asks for light beyond all "
+                    "bounds",
+                    frame.frame, frame.not_finite));
+  if (!frame.is_black && frame.sees_anything) return;
+  if (!frame.sees_anything)
+    tell_(
+        fmt::format("frame {}: the camera sees nothing of the scene; check the view's location and "
+                    "direction (rayfarm info prints the scene's bounds)",
+                    frame.frame));
+  else
+    tell_(
+        fmt::format("frame {}: every pixel is black: no light reaches what the camera sees; rayfarm check "
+                    "names lights that can't shine",
+                    frame.frame));
 }
 
 void FarmHost::take_written(double now) {
@@ -263,8 +314,10 @@ void FarmHost::take_written(double now) {
     frame.problem = written->problem;
     frame.sha256 = written->sha256;
     frame.is_written = written->problem.empty();
+    frame.is_black = written->is_black;
     result_.times.write_s += written->seconds;
     if (!written->problem.empty()) tell_(fmt::format("frame {} failed: {}", frame.frame, written->problem));
+    tell_what_is_odd(frame);
     assignment_.release(written->frame_index, now);
   }
 }

@@ -8,6 +8,7 @@
 #include "host/frame_writer.h"
 #include "host/job_result.h"
 #include "host/progress.h"
+#include "protocol/liveness.h"
 #include "protocol/transport.h"
 
 namespace rayfarm {
@@ -17,7 +18,9 @@ struct FarmHostOptions {
   Image image;                                    ///< size, window and format of every frame; no pixels
   std::map<std::string, std::string> attributes;  ///< of every file
   std::vector<std::string> files;                 ///< one per frame of the plan
-  double node_timeout_s = 8;
+  double node_timeout_s = liveness::kNodeTimeout_s;
+  int window_frames = 3;           ///< in memory at a time
+  std::vector<ProcessSign> signs;  ///< of the nodes, in order; empty: none can be lost alone
   ProgressStyle progress = ProgressStyle::automatic;
 };
 
@@ -29,7 +32,8 @@ class FarmHost {
   /// `nodes` were heard of at the start; result.nodes grows from there.
   FarmHost(Transport& transport, const FarmHostOptions& options, JobResult& result, Tell tell);
 
-  /// Until every frame is written or has failed, all nodes are lost, or the user interrupts.
+  /// Until every frame is written or has failed, all nodes are lost, or the user interrupts. Frames that are
+  /// whole are written in any case.
   void run();
 
  private:
@@ -48,6 +52,9 @@ class FarmHost {
                    double now);
   void carry_out(const Action& action);
   void take_written(double now);
+  void tell_what_is_odd(const FrameResult& frame) const;
+  void expel_the_gone(double now);
+  void expel(int node, const std::string& problem, double now);
   int frame_index(uint32_t frame) const;
 
   Transport& transport_;
@@ -61,6 +68,8 @@ class FarmHost {
   std::vector<FrameState> frames_;
   std::vector<std::vector<PixelResult>> pixels_of_node_;  ///< pixel wire: of the subpolygon being returned
   std::vector<int> frame_of_node_;                        ///< the frame last selected at each node
+  ListeningClock listening_;
+  bool is_waiting_for_any_ = false;  ///< all nodes are lost, and it was told
   bool is_over_ = false;
 };
 

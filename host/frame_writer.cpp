@@ -1,5 +1,6 @@
 #include "host/frame_writer.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace rayfarm {
@@ -7,12 +8,16 @@ namespace rayfarm {
 FrameWriter::FrameWriter() : thread_([this] { run(); }) {}
 
 FrameWriter::~FrameWriter() {
+  finish();
+}
+
+void FrameWriter::finish() {
   {
     const std::lock_guard lock(mutex_);
     is_ending_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void FrameWriter::submit(Job job) {
@@ -35,14 +40,17 @@ void FrameWriter::run() {
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return is_ending_ || !queue_.empty(); });
-    if (is_ending_) return;
+    if (queue_.empty()) return;  // all is written, and no more comes
     const Job job = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
     const auto begin = std::chrono::steady_clock::now();
-    Written written{job.frame_index, {}, {}, 0};
+    Written written;
+    written.frame_index = job.frame_index;
     try {
       written.sha256 = sha256(job.image.pixels);
+      written.is_black = std::all_of(job.image.pixels.begin(), job.image.pixels.end(),
+                                     [](std::byte b) { return b == std::byte{0}; });
       write_image(job.path, job.image, job.attributes);
     } catch (const std::exception& e) {
       written.problem = e.what();

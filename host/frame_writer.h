@@ -22,19 +22,22 @@ class FrameWriter {
   };
   struct Written {
     int frame_index = 0;
-    std::string problem;  ///< empty: the file is in place
-    std::string sha256;   ///< of the pixels' bytes
+    std::string problem;    ///< empty: the file is in place
+    std::string sha256;     ///< of the pixels' bytes
+    bool is_black = false;  ///< all bytes are 0
     double seconds = 0;
   };
 
   FrameWriter();
-  /// Waits for the frame being written; those still queued are dropped.
+  /// Waits until all frames are written.
   ~FrameWriter();
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;
 
   void submit(Job job);
   std::optional<Written> try_take();
+  /// Waits until all frames are written; what came of them can still be taken.
+  void finish();
 
  private:
   void run();

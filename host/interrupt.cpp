@@ -23,6 +23,8 @@ void catch_interrupts() {
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaction(number, &action, nullptr);
+  // Who reads the text may leave: the pictures are written all the same.
+  signal(SIGPIPE, SIG_IGN);
 }
 
 int interrupted_by() {

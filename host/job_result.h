@@ -25,6 +25,8 @@ struct NodeResult {
   uint64_t rays = 0;
   double busy_s = 0;
   bool is_lost = false;
+  bool had_work = false;  ///< when it was lost
+  std::string problem;    ///< for which it was expelled
 };
 
 /// What a subpolygon took, and its pixels on the net.
@@ -40,6 +42,9 @@ struct FrameResult {
   std::string problem;  ///< empty: written
   bool is_written = false;
   RaysByKind rays{};
+  bool sees_anything = false;  ///< an eye ray met something
+  bool is_black = false;       ///< all pixels are 0
+  uint64_t not_finite = 0;     ///< pixels that are infinite or not a number
   std::vector<int> traced_by;  ///< the node of each subpolygon
   std::vector<SubpolygonCost> costs;
 };
@@ -57,9 +62,11 @@ struct JobResult {
   uint64_t pixels_kept = 0;
   uint64_t duplicates = 0;  ///< results dropped
   RaysByKind rays{};
+  uint64_t scene_bytes = 0;  ///< of the block that load data carries
   PhaseTimes times;
   bool was_interrupted = false;
   bool lost_all_nodes = false;
+  std::string why_all_are_lost;
 
   /// The nodes that are lost at the end, in order.
   std::vector<int> lost_nodes() const {

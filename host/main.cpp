@@ -1,12 +1,16 @@
 // Chooses the role: rank 0 is the host, every other rank a node; without mpirun both live in this process.
 #include <fmt/core.h>
 
-#include <cstdlib>
+#include <future>
+#include <optional>
+#include <system_error>
 #include <thread>
 
 #include "common/scene/input_error.h"
+#include "host/console.h"
 #include "host/exit_code.h"
 #include "host/interrupt.h"
+#include "host/launch.h"
 #include "host/lighting_experiment.h"
 #include "host/net/net_commands.h"
 #include "host/net/net_load_experiment.h"
@@ -14,6 +18,7 @@
 #include "host/render_command.h"
 #include "host/scene_commands.h"
 #include "node/node.h"
+#include "protocol/liveness.h"
 #include "protocol/local_transport.h"
 #include "protocol/mpi_session.h"
 
@@ -21,43 +26,42 @@ using namespace rayfarm;
 
 namespace {
 
-int launched_rank() {
-  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"})
-    if (const char* rank = std::getenv(name)) return std::atoi(rank);
-  return 0;
-}
-
-/// Several Slurm tasks that know nothing of each other would each render the whole image over the same files.
-bool is_lone_slurm_task() {
-  const char* tasks = std::getenv("SLURM_NTASKS");
-  return tasks && std::atoi(tasks) > 1;
-}
-
-int report_lone_slurm_task() {
-  fmt::print(
-      stderr,
-      "rayfarm: Slurm started {} tasks, but MPI sees one process; start with `srun --mpi=pmix rayfarm …` or "
-      "`mpirun rayfarm …` inside the allocation\n",
-      std::getenv("SLURM_NTASKS"));
-  return kUsageError;
-}
+constexpr int kThreadsOfHost = 2;  ///< beside nodes: one loads, one writes files
 
 int render_locally(const RenderOptions& options) {
   catch_interrupts();
   if (is_lone_slurm_task()) return report_lone_slurm_task();
-  const int nodes = options.local_nodes > 0
-                        ? options.local_nodes
-                        : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const auto ends = make_local_transports(nodes);
-  std::span<const std::byte> block;  // set before load code is sent, read by nodes after it came
+  const int nodes =
+      options.local_nodes > 0 ? options.local_nodes : std::max(1, int(std::thread::hardware_concurrency()));
+  std::promise<std::span<const std::byte>> block;  // nodes wait for it when load code has come
+  const std::shared_future loaded = block.get_future().share();
+  bool is_loaded = false;
+  std::promise<std::vector<std::unique_ptr<Transport>>> net;
+  const std::shared_future ends = net.get_future().share();
   std::vector<std::thread> threads;
-  for (int i = 1; i <= nodes; ++i)
-    threads.emplace_back([&ends, &block, i] {
-      run_node(
-          *ends[static_cast<size_t>(i)], i, [&block] { return block; }, make_scene_tracer);
-    });
-  Farm farm{*ends[0], 1, [&block](std::span<const std::byte> bytes, const auto&) { block = bytes; }};
+  int granted = nodes;
+  try {
+    for (int i = 1; i <= nodes; ++i)
+      threads.emplace_back([ends, loaded, i] {
+        if (static_cast<size_t>(i) < ends.get().size())
+          run_node(
+              *ends.get()[static_cast<size_t>(i)], i, [&loaded](const auto&) { return loaded.get(); },
+              make_scene_tracer);
+      });
+  } catch (const std::system_error& e) {
+    if (threads.empty()) throw;
+    granted = std::max(1, static_cast<int>(threads.size()) - kThreadsOfHost);
+    say("rayfarm: the system refuses {} threads ({}); {} work\n", nodes, e.what(), granted);
+  }
+  net.set_value(make_local_transports(granted));
+  for (; std::cmp_greater(threads.size(), granted); threads.pop_back()) threads.back().join();
+  const auto load = [&](std::span<const std::byte> bytes) {
+    if (!std::exchange(is_loaded, true)) block.set_value(bytes);
+  };
+  Farm farm{*ends.get()[0], 1,
+            [&](std::span<const std::byte> bytes, const auto&, const auto&) { load(bytes); }};
   const Ending ending = run_render(options, farm);
+  load({});  // whatever happened, no node waits for ever
   for (std::thread& thread : threads) thread.join();
   return ending.exit_code;
 }
@@ -68,59 +72,61 @@ int render_locally(const RenderOptions& options) {
     session.finish(is_lone_slurm_task() ? report_lone_slurm_task() : render_locally(options),
                    Parting::together);
   if (session.size() - 1 > kMostProcessors) {
-    if (session.rank() == 0)
-      fmt::print(stderr,
-                 "rayfarm: {} nodes are more than the {} that a command's 14 bits can address; start fewer "
-                 "processes\n",
-                 session.size() - 1, kMostProcessors);
+    if (session.rank() == 0) report_too_many_nodes(session.size() - 1);
     session.finish(kUsageError, Parting::together);
   }
   const auto transport = session.make_transport();
+  std::optional<Heart> heart(*transport);
   if (session.rank() == 0) {
     catch_interrupts();
     std::unique_ptr<SharedBlock> shared;
-    Farm farm{*transport, session.size(), [&](std::span<const std::byte> block, const auto& warn) {
-                shared = session.load_data(block, transport->meter(), warn);
+    Farm farm{*transport, session.size(),
+              [&](std::span<const std::byte> block, const auto& warn, const auto& names_the_gone) {
+                shared = session.load_data(block, transport->meter(), warn, names_the_gone);
               }};
     const Ending ending = run_render(options, farm);
+    heart.reset();
     session.finish(ending.exit_code, ending.has_hung_nodes ? Parting::ending_the_hung
                                      : ending.has_losses   ? Parting::without_the_lost
                                                            : Parting::together);
   }
   std::unique_ptr<SharedBlock> shared;
-  const auto load_scene_block = [&] {
-    shared = session.load_data({}, nullptr,
-                               [](const std::string& text) { fmt::print(stderr, "rayfarm: {}\n", text); });
+  const auto load_scene_block = [&](const ProcessSign& host) {
+    shared = session.load_data(
+        {}, nullptr, [](const std::string& text) { say("rayfarm: {}\n", text); },
+        make_witness({{"the host", host}}, liveness::kGraceForHost_s));
     return shared->bytes();
   };
   const NodeEnding ending = run_node(*transport, session.rank(), load_scene_block, make_scene_tracer);
+  heart.reset();
   session.finish(ending == NodeEnding::failed ? kRenderFailure : kComplete,
                  ending == NodeEnding::finished ? Parting::together : Parting::without_the_lost);
 }
 
 int run(const CommandLine& line, int argc, char** argv) {
+  // All but a render are one process's work, and one process's words.
+  if (line.kind != CommandKind::render && launched_rank() != 0) return line.exit_code;
   switch (line.kind) {
     case CommandKind::none:
-      if (launched_rank() == 0) fmt::print(line.exit_code == 0 ? stdout : stderr, "{}", line.message);
+      fmt::print(line.exit_code == 0 ? stdout : stderr, "{}", line.message);
       return line.exit_code;
     case CommandKind::render:
       if (MpiSession::is_launched()) render_on_mpi(line.render, argc, argv);
       return render_locally(line.render);
     case CommandKind::check:
-      return launched_rank() == 0 ? run_check(line.scene) : kComplete;
+      return run_check(line.scene);
     case CommandKind::info:
-      return launched_rank() == 0 ? run_info(line.scene) : kComplete;
+      return run_info(line.scene);
     case CommandKind::experiment:
-      if (launched_rank() != 0) return kComplete;
       if (line.experiment.name == "net-load") return run_net_load_experiment(line.experiment, render_locally);
       if (line.experiment.name == "working-sets") return run_working_set_experiment(line.experiment);
       return run_lighting_experiment(line.experiment, render_locally);
     case CommandKind::model:
-      return launched_rank() == 0 ? run_model(line.model) : kComplete;
+      return run_model(line.model);
     case CommandKind::simulate:
-      return launched_rank() == 0 ? run_simulate(line.simulate) : kComplete;
+      return run_simulate(line.simulate);
     case CommandKind::compare:
-      return launched_rank() == 0 ? run_compare(line.compare) : kComplete;
+      return run_compare(line.compare);
   }
   return kComplete;
 }
@@ -131,14 +137,9 @@ int main(int argc, char** argv) {
   int code = kRenderFailure;
   try {
     code = run(parse_command_line(argc, argv), argc, argv);
-  } catch (const InputError& e) {
-    fmt::print(stderr, "rayfarm: {}\n", e.what());
-    code = kSceneError;
-  } catch (const IoError& e) {
-    fmt::print(stderr, "rayfarm: {}\n", e.what());
-    code = kSceneError;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "rayfarm: {}\n", e.what());
+    say("rayfarm: {}\n", e.what());
+    if (dynamic_cast<const InputError*>(&e) || dynamic_cast<const IoError*>(&e)) code = kSceneError;
   }
   if (code != 0 && launched_rank() == 0) {
     std::fflush(nullptr);

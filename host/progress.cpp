@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "host/console.h"
 
 namespace rayfarm {
 namespace {
@@ -26,7 +27,12 @@ std::string format_count(double count) {
   if (count >= 1e9) return fmt::format("{:.2f} G", count / 1e9);
   if (count >= 1e6) return fmt::format("{:.2f} M", count / 1e6);
   if (count >= 1e3) return fmt::format("{:.1f} k", count / 1e3);
-  return fmt::format("{:.0f} ", count);
+  return fmt::format("{:.0f}", count);
+}
+
+std::string format_rate(double count, const char* unit) {
+  const std::string text = format_count(count);
+  return fmt::format("{}{}{}", text, text.find(' ') == std::string::npos ? " " : "", unit);
 }
 
 Progress::Progress(ProgressStyle style, uint64_t pixels_total) : style_(style), pixels_total_(pixels_total) {
@@ -43,14 +49,12 @@ bool Progress::is_time(double now_s) {
 
 void Progress::print(const std::string& text, double share_done) {
   if (style_ == ProgressStyle::plain) {
-    fmt::print(stderr, "{}\n", text);
+    say("{}\n", text);
   } else {
     const auto filled = static_cast<size_t>(share_done * kBarWidth);
-    fmt::print(stderr, "\r\033[K[{}{}] {}", std::string(filled, '#'), std::string(kBarWidth - filled, '.'),
-               text);
+    say("\r\033[K[{}{}] {}", std::string(filled, '#'), std::string(kBarWidth - filled, '.'), text);
     line_is_open_ = true;
   }
-  std::fflush(stderr);
 }
 
 void Progress::show_building(double now_s, uint64_t done, uint64_t total) {
@@ -68,16 +72,16 @@ void Progress::show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t 
   const double done =
       pixels_total_ ? static_cast<double>(pixels_done) / static_cast<double>(pixels_total_) : 1;
   const std::string eta = done > 0 ? format_duration(now_s * (1 - done) / done) : "?";
-  print(fmt::format("{:5.1f} %  {}  ETA {}  {}rays/s  {:.2f} bytes/pixel  {} node{}", 100 * done,
+  print(fmt::format("{:5.1f} %  {}  ETA {}  {}  {:.2f} bytes/pixel  {} node{}", 100 * done,
                     format_duration(now_s), eta,
-                    format_count(now_s > 0 ? static_cast<double>(rays) / now_s : 0),
+                    format_rate(now_s > 0 ? static_cast<double>(rays) / now_s : 0, "rays/s"),
                     pixels_done ? static_cast<double>(result_bytes) / static_cast<double>(pixels_done) : 0.0,
                     nodes, nodes == 1 ? "" : "s"),
         done);
 }
 
 void Progress::clear() {
-  if (line_is_open_) fmt::print(stderr, "\n");
+  if (line_is_open_) say("\n");
   line_is_open_ = false;
 }
 

@@ -30,6 +30,9 @@ class Progress {
 };
 
 std::string format_duration(double seconds);
+/// Three digits and more: 8.81 M, 12.3 k, 812.
 std::string format_count(double count);
+/// 1.31 Mrays/s, 12.3 krays/s, 812 rays/s.
+std::string format_rate(double count, const char* unit);
 
 }  // namespace rayfarm

@@ -3,41 +3,30 @@
 #include <fmt/core.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <future>
-#include <set>
 
 #include "common/scene/camera.h"
 #include "common/scene/compile.h"
 #include "common/scene/settings_codec.h"
+#include "host/console.h"
 #include "host/exit_code.h"
 #include "host/farm_host.h"
-#include "host/interrupt.h"
+#include "host/memory.h"
 #include "host/net/cost_map.h"
 #include "host/output_pattern.h"
+#include "host/outputs.h"
 #include "host/report.h"
+#include "host/roll_call.h"
 #include "protocol/build_identity.h"
 #include "protocol/clock.h"
-#include "protocol/watchdog.h"
 
 namespace rayfarm {
 namespace {
-
-constexpr double kHelloTimeout_s = 20;
-constexpr double kSilenceWhileLoading_s = 8;
-
-/// The job can't go on; the message says why.
-class JobError : public std::runtime_error {
- public:
-  JobError(int code, const std::string& problem) : std::runtime_error(problem), code_(code) {}
-  int code() const { return code_; }
-
- private:
-  int code_;
-};
 
 struct LoadedScene {
   SceneDescription description;
@@ -48,86 +37,40 @@ struct LoadedScene {
 /// A scene with so many primitives takes long enough to build that its progress is shown.
 constexpr uint64_t kBigScene = 200'000;
 
-LoadedScene load(const std::string& path, const BuildOptions& build) {
-  LoadedScene loaded;
-  const double begin = now_s();
-  loaded.description = load_scene(path);
-  loaded.load_s = now_s() - begin;
-  loaded.compiled = compile(loaded.description, build);
-  loaded.build_s = now_s() - begin - loaded.load_s;
-  return loaded;
-}
-
-/// Takes the nodes' reports while the scene loads, and keeps telling them that the host is alive.
-class Reception {
+/// A scene that is being loaded by another thread; stops it when it is no longer wanted.
+class SceneLoading {
  public:
-  Reception(Transport& transport, JobResult& result)
-      : transport_(transport), result_(result), begin_(now_s()) {
-    for (int id = 1; id <= transport.node_count(); ++id) {
-      result_.nodes.push_back({});
-      result_.nodes.back().id = id;
-    }
-    heard_.assign(result_.nodes.size(), 0);
-  }
+  SceneLoading(const std::string& path, const BuildOptions& build)
+      : future_(std::async(std::launch::async | std::launch::deferred, load, path, build, &progress_,
+                           stop_.get_token())) {}
+  ~SceneLoading() { stop_.request_stop(); }
+  SceneLoading(const SceneLoading&) = delete;
+  SceneLoading& operator=(const SceneLoading&) = delete;
 
-  /// One turn. Throws JobError if a node is lost or of another build.
-  void serve() {
-    const double now = now_s();
-    while (auto message = transport_.try_receive()) {
-      const auto i = static_cast<size_t>(message->source) - 1;
-      heard_[i] = now;
-      if (message->channel != Channel::control) continue;
-      const Control control = decode_control(message->bytes);
-      if (const auto* hello = std::get_if<Hello>(&control)) {
-        result_.nodes[i].machine = hello->machine;
-        result_.nodes[i].pid = hello->pid;
-        if (hello->build != build_identity())
-          throw JobError(
-              kRenderFailure,
-              fmt::format("node {} on {} runs another build of rayfarm than the host; install the same on "
-                          "every machine, for images of two builds may differ",
-                          message->source, hello->machine));
-      }
-    }
-    heartbeat_.beat(transport_);
-    for (size_t i = 0; i < heard_.size(); ++i) {
-      if (heard_[i] == 0 && now - begin_ > kHelloTimeout_s)
-        throw JobError(kRenderFailure,
-                       fmt::format("node {} was lost before it reported; the job ends", i + 1));
-      if (heard_[i] != 0 && now - heard_[i] > kSilenceWhileLoading_s)
-        throw JobError(kRenderFailure,
-                       fmt::format("node {} on {} was lost while loading; the job ends. Start it again, "
-                                   "without the machine that failed",
-                                   i + 1, result_.nodes[i].machine));
-    }
-    if (interrupted_by() != 0) throw JobError(kStopped, "stopped before the scene was loaded");
-  }
-
-  bool all_reported() const {
-    return std::all_of(heard_.begin(), heard_.end(), [](double t) { return t > 0; });
-  }
+  /// Also if the system refuses a thread: then `take` loads.
+  bool is_ready() const { return future_.wait_for(std::chrono::seconds(0)) != std::future_status::timeout; }
+  /// Once, when it is ready. Throws what loading threw.
+  LoadedScene take() { return future_.get(); }
+  const BuildProgress& progress() const { return progress_; }
 
  private:
-  Transport& transport_;
-  JobResult& result_;
-  double begin_;
-  Heartbeat heartbeat_;
-  std::vector<double> heard_;
-};
+  static LoadedScene load(const std::string& path, BuildOptions build, BuildProgress* progress,
+                          std::stop_token stop) {
+    LoadedScene loaded;
+    const double begin = now_s();
+    loaded.description = load_scene(path, stop);
+    loaded.load_s = now_s() - begin;
+    build.progress = progress;
+    build.stop = std::move(stop);
+    loaded.compiled = compile(loaded.description, build);
+    loaded.build_s = now_s() - begin - loaded.load_s;
+    return loaded;
+  }
 
-/// Found before hours of work, not after. Only the host writes, so only it looks.
-void check_folder(const char* option, const std::string& file) {
-  std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  if (folder.empty()) folder = ".";
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored))
-    throw JobError(kUsageError, fmt::format("{} {}: there is no folder '{}'; make it first", option, file,
-                                            folder.string()));
-  if (access(folder.c_str(), W_OK) != 0)
-    throw JobError(kUsageError,
-                   fmt::format("{} {}: the folder '{}' can't be written to; check its permissions", option,
-                               file, folder.string()));
-}
+  BuildProgress progress_;
+  std::stop_source stop_;
+  std::future<LoadedScene> future_;  // last: its end waits for the thread
+};
 
 std::vector<int> choose_frames(const RenderOptions& options, const SceneDescription& scene) {
   if (!options.frames.empty()) return parse_frames(options.frames);
@@ -164,47 +107,23 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
   return s;
 }
 
-/// Asks every node once more. One that was killed or hung so late that its work was done by others before its
-/// silence was long enough is lost all the same, and the end of MPI would wait for it.
-std::vector<int> find_silent_nodes(Transport& transport, const JobResult& result) {
-  constexpr double kLongest_s = 3;
-  std::set<int> silent;
-  for (const NodeResult& node : result.nodes)
-    if (!node.is_lost) silent.insert(node.id);
-  for (const int node : silent) transport.send(node, AskPresent{});
-  Backoff backoff;
-  for (const double begin = now_s(); !silent.empty() && now_s() - begin < kLongest_s; backoff.wait())
-    while (const auto message = transport.try_receive()) {
-      if (message->channel != Channel::control) continue;
-      try {
-        if (std::holds_alternative<Present>(decode_control(message->bytes))) silent.erase(message->source);
-      } catch (const ProtocolError&) {
-        // The pictures are whole: a node that sends nonsense now is as good as silent.
-      }
-    }
-  return {silent.begin(), silent.end()};
-}
-
-/// Hung nodes keep mpirun from returning. Those on this machine are ended here, those on others by a node
-/// beside them.
-bool end_hung_nodes(Transport& transport, const JobResult& result) {
-  bool is_any_left = false;
-  const std::string here = machine_name();
-  for (const NodeResult& lost : result.nodes) {
-    if (!lost.is_lost || lost.pid == static_cast<uint32_t>(getpid())) continue;
-    if (lost.machine == here) {
-      end_hung_process(lost.pid);
-      continue;
-    }
-    const auto neighbour = std::find_if(result.nodes.begin(), result.nodes.end(), [&](const NodeResult& n) {
-      return !n.is_lost && n.machine == lost.machine;
-    });
-    if (neighbour != result.nodes.end())
-      transport.send(neighbour->id, EndProcess{lost.pid});
-    else
-      is_any_left = true;
-  }
-  return is_any_left;
+/// Frames that are begun but not written: so many fit into memory, at most as many as are of use. Throws
+/// JobError if not even one does.
+int choose_window(const RenderSettings& settings, size_t frames) {
+  constexpr int kMostFrames = 3;
+  constexpr double kShare = 0.9;  // of what is free: files are written through buffers
+  const double frame_bytes =
+      static_cast<double>(settings.crop.area()) * static_cast<double>(bytes_per_pixel(settings.pixel_format));
+  const auto available = static_cast<double>(available_memory_bytes());
+  const double fit = kShare * available / frame_bytes;
+  if (fit < 1)
+    throw JobError(
+        kRenderFailure,
+        fmt::format("a frame of {}×{} pixels as {} takes {:.2f} GiB on the host, of which {:.2f} GiB "
+                    "are free; render parts of it (--crop), or take a smaller --pixel-format",
+                    settings.crop.width(), settings.crop.height(), name_of(settings.pixel_format),
+                    frame_bytes / (1 << 30), available / (1 << 30)));
+  return static_cast<int>(std::min({double(kMostFrames), double(frames), fit}));
 }
 
 class RenderCommand {
@@ -255,84 +174,112 @@ class RenderCommand {
 
  private:
   int render() {
-    check_folder("-o", options_.output);
-    if (!options_.stats.empty()) check_folder("--stats", options_.stats);
-    Reception reception(farm_.transport, result_);
-    BuildProgress building;
-    std::future<LoadedScene> loading =
-        std::async(std::launch::async, load, options_.scene,
-                   BuildOptions{options_.split_rule, options_.max_primitives, &building});
+    check_outputs(options_);
+    RollCall roll_call(farm_.transport, result_);
+    load(roll_call);
+    return render_loaded(roll_call);
+  }
+
+  void load(RollCall& roll_call) {
+    SceneLoading loading(options_.scene,
+                         {.rule = options_.split_rule, .max_primitives = options_.max_primitives});
     Progress progress(options_.is_quiet ? ProgressStyle::none : options_.progress);
     const double begin = now_s();
     Backoff backoff;
-    while (!loaded_ || !reception.all_reported()) {
+    while (!loaded_ || !roll_call.all_reported()) {
       // A scene that can't be loaded ends the job at once, whoever has reported.
-      if (!loaded_ && loading.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
-        loaded_ = loading.get();
-      reception.serve();
+      if (!loaded_ && loading.is_ready()) loaded_ = loading.take();
+      roll_call.serve();
+      const BuildProgress& building = loading.progress();
       if (building.total >= kBigScene) progress.show_building(now_s() - begin, building.done, building.total);
       backoff.wait();
     }
     progress.clear();
-    return render_loaded();
   }
 
-  int render_loaded() {
-    const SceneDescription& scene = loaded_->description;
-    result_.times.load_s = loaded_->load_s;
-    result_.times.build_s = loaded_->build_s;
-    for (const std::string& note : loaded_->compiled.notes.lines()) log_->warn(note);
-
-    FarmHostOptions farm_options;
-    JobPlan& plan = farm_options.plan;
-    const RenderSettings settings = choose_settings(options_, scene);
+  JobPlan make_plan(const RenderSettings& settings) const {
+    JobPlan plan;
     plan.build = build_identity();
     plan.policy = options_.policy;
     plan.wire = options_.wire;
     plan.compresses = options_.compresses;
     plan.processors = farm_.transport.node_count();
     plan.settings = encode_settings(settings);
+    const size_t pixel_bytes =
+        options_.wire == Wire::pixel ? kPixelBytes : bytes_per_pixel(settings.pixel_format);
     plan.grid = make_grid(settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(),
-                          plan.processors, options_.subpolygons_per_processor);
+                          plan.processors, options_.subpolygons_per_processor, kLeastSide_px,
+                          kMostSubpolygonBytes / pixel_bytes);
     plan.rotates = options_.rotates;
     plan.ray_time_s = options_.ray_time_s;
     // Who waits longer for nodes has a slower net, on which nodes wait longer for their host.
-    plan.host_timeout_s = std::max(plan.host_timeout_s, options_.node_timeout_s - 2);
+    plan.host_timeout_s = std::max(plan.host_timeout_s, options_.node_timeout_s);
     plan.time_factors = options_.time_factors;
-    for (const int frame : choose_frames(options_, scene)) {
+    return plan;
+  }
+
+  /// The frames to render, with their files.
+  void choose_work(FarmHostOptions& farm_options, const RenderSettings& settings) {
+    for (const int frame : choose_frames(options_, loaded_->description)) {
       const std::string file = file_of_frame(options_.output, frame);
       if (options_.skip_existing && std::filesystem::exists(file)) {
-        log_->info("{} is there; frame {} is skipped", file, frame);
-        continue;
+        const std::string why = why_not_finished(file, settings, frame, farm_options.attributes);
+        if (why.empty()) {
+          log_->info("{} is there; frame {} is skipped", file, frame);
+          continue;
+        }
+        log_->warn("{} {}; frame {} is rendered again", file, why, frame);
       }
+      for (const std::string& other : {options_.stats, options_.cost_map})
+        if (file == other)
+          throw JobError(kUsageError,
+                         fmt::format("{} is the file of frame {}, and of --stats or --cost-map; each "
+                                     "output needs a name of its own",
+                                     file, frame));
       try {
         make_camera(loaded_->compiled.scene, frame, settings.width_px, settings.height_px);
       } catch (const std::domain_error& e) {
         throw InputError({options_.scene}, fmt::format("at frame {}: {}", frame, e.what()));
       }
-      plan.frames.push_back(frame);
+      farm_options.plan.frames.push_back(frame);
       farm_options.files.push_back(file);
     }
+  }
+
+  int render_loaded(const RollCall& roll_call) {
+    result_.times.load_s = loaded_->load_s;
+    result_.times.build_s = loaded_->build_s;
+    result_.scene_bytes = loaded_->compiled.block.size;
+    for (const std::string& note : loaded_->compiled.notes.lines()) log_->warn(note);
+
+    const RenderSettings settings = choose_settings(options_, loaded_->description);
+    FarmHostOptions farm_options;
+    farm_options.plan = make_plan(settings);
+    farm_options.attributes = make_attributes(settings, loaded_->compiled.block.bytes());
+    choose_work(farm_options, settings);
+    const JobPlan& plan = farm_options.plan;
     if (plan.frames.empty()) {
       log_->info("nothing to do");
       return kComplete;
     }
+    farm_options.window_frames = choose_window(settings, plan.frames.size());
     if (options_.wire == Wire::pixel && natural_format(options_.output) != PixelFormat::rgb8)
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
     log_->debug("{} nodes, {} × {} subpolygons", plan.processors, plan.grid.columns, plan.grid.rows);
+    make_output_folders(options_);
 
     const double broadcast_begin = now_s();
     farm_.transport.broadcast(Channel::command, encode_load_code(encode_plan(plan)));
-    farm_.load_data(loaded_->compiled.block.bytes(), [this](const std::string& text) { log_->warn(text); });
+    farm_.load_data(
+        loaded_->compiled.block.bytes(), [this](const std::string& text) { log_->warn(text); },
+        roll_call.make_node_witness());
     is_loaded_ = true;
     result_.times.broadcast_s = now_s() - broadcast_begin;
     log_->debug("the scene is loaded everywhere; tracing begins");
 
     farm_options.image = {settings.width_px, settings.height_px, settings.crop, settings.pixel_format, {}};
-    farm_options.attributes = {{"rayfarm/version", RAYFARM_VERSION},
-                               {"rayfarm/seed", fmt::format("{}", settings.seed)},
-                               {"rayfarm/samples", fmt::format("{}", settings.samples)}};
     farm_options.node_timeout_s = options_.node_timeout_s;
+    farm_options.signs = roll_call.signs();
     farm_options.progress = options_.is_quiet ? ProgressStyle::none : options_.progress;
     {
       FarmHost host(farm_.transport, farm_options, result_,
@@ -340,27 +287,38 @@ class RenderCommand {
       host.run();
     }
     result_.times.total_s = now_s() - begin_;
-    for (const int node : find_silent_nodes(farm_.transport, result_))
-      result_.nodes[static_cast<size_t>(node) - 1].is_lost = true;
+    mark_silent_nodes(farm_.transport, result_);
     return report(plan, settings);
   }
 
+  /// Says what came of it. What can't be told leaves the pictures whole, but not the exit code 0.
   int report(const JobPlan& plan, const RenderSettings& settings) {
     const TrafficMeter& meter = *farm_.transport.meter();
-    for (const int node : result_.lost_nodes()) log_->warn("node {} was lost", node);
-    if (!options_.stats.empty())
-      write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
-    if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, plan.grid);
-    if (!options_.is_quiet) fmt::print(stderr, "{}", format_report(result_, meter, plan));
+    if (!options_.is_quiet)
+      say("{}",
+          options_.is_full_report ? format_full_report(result_, meter, plan) : format_report(result_, meter));
+    bool is_told = true;
     for (const FrameResult& frame : result_.frames)
-      if (frame.is_written) fmt::print("{}\n", frame.file);
-    std::fflush(stdout);
+      if (frame.is_written) is_told &= std::fprintf(stdout, "%s\n", frame.file.c_str()) >= 0;
+    is_told &= std::fflush(stdout) == 0;
+    if (!is_told)
+      log_->error("the names of the files written can't be printed on stdout: {}; the files are whole",
+                  std::strerror(errno));
+    try {
+      if (!options_.stats.empty())
+        write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
+      if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, plan.grid);
+    } catch (const IoError& e) {
+      log_->error(e.what());
+      is_told = false;
+    }
     if (result_.was_interrupted)
       throw JobError(kStopped, "stopped; finished frames are in place (--skip-existing goes on from there)");
-    if (result_.lost_all_nodes) throw JobError(kRenderFailure, "every node is lost");
-    if (result_.frames_failed() == 0) return kComplete;
+    if (result_.lost_all_nodes)
+      throw JobError(kRenderFailure, fmt::format("every node is lost{}", result_.why_all_are_lost));
     for (const FrameResult& frame : result_.frames)
       if (!frame.problem.empty()) log_->error("frame {} failed: {}", frame.frame, frame.problem);
+    if (result_.frames_failed() == 0) return is_told ? kComplete : kRenderFailure;
     return result_.frames_failed() == result_.frames.size() ? kRenderFailure : kSomeFramesFailed;
   }
 

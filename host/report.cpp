@@ -26,7 +26,53 @@ double idle_s(const JobResult& result, const NodeResult& node) {
 
 }  // namespace
 
-std::string format_report(const JobResult& result, const TrafficMeter& meter, const JobPlan& plan) {
+std::string format_report(const JobResult& result, const TrafficMeter& meter) {
+  std::string text;
+  auto out = std::back_inserter(text);
+  std::vector<const FrameResult*> written;
+  for (const FrameResult& frame : result.frames)
+    if (frame.is_written) written.push_back(&frame);
+  if (result.frames.size() == 1 && written.size() == 1)
+    fmt::format_to(out, "picture  {}\n", written[0]->file);
+  else if (written.empty())
+    fmt::format_to(out, "picture  none of {} written\n", result.frames.size());
+  else
+    fmt::format_to(out, "pictures {} of {} written: {}{}\n", written.size(), result.frames.size(),
+                   written.front()->file, written.size() > 1 ? " … " + written.back()->file : "");
+  const PhaseTimes& t = result.times;
+  fmt::format_to(
+      out, "time     {:.2f} s: load {:.2f}, build {:.2f}, broadcast {:.2f}, trace {:.2f}, write {:.2f}\n",
+      t.total_s, t.load_s, t.build_s, t.broadcast_s, t.trace_s, t.write_s);
+  const auto rays = static_cast<double>(total(result.rays));
+  fmt::format_to(out, "rays     {}", format_count(rays));
+  for (size_t i = 0; i < kRayKinds.size(); ++i)
+    if (result.rays[i] > 0)
+      fmt::format_to(out, "{}{} {}",
+                     text.back() == '\n' ? ""
+                     : i == 0            ? ": "
+                                         : ", ",
+                     kRayKinds[i], format_count(static_cast<double>(result.rays[i])));
+  fmt::format_to(out, "\nspeed    {} on {} node{}\n",
+                 format_rate(t.trace_s > 0 ? rays / t.trace_s : 0, "rays/s"), result.nodes.size(),
+                 result.nodes.size() == 1 ? "" : "s");
+  fmt::format_to(out, "net      {:.2f} bytes per pixel in results; the thesis's model: {:.0f}\n",
+                 bytes_per_received_pixel(result, meter), kModelBytesPerPixel);
+  constexpr size_t kMostLosses = 3;
+  const std::vector<int> lost = result.lost_nodes();
+  for (size_t i = 0; i < std::min(lost.size(), kMostLosses); ++i) {
+    const NodeResult& node = result.nodes[static_cast<size_t>(lost[i]) - 1];
+    fmt::format_to(out, "lost     node {} on {} (process {}){}{}\n", node.id, node.machine, node.pid,
+                   node.problem.empty() ? "" : ": " + node.problem,
+                   i + 1 == kMostLosses && lost.size() > kMostLosses
+                       ? fmt::format("; and {} more", lost.size() - kMostLosses)
+                       : "");
+  }
+  if (!lost.empty())
+    text += "         (Open MPI may print lines such as PMIX ERROR about it: they are harmless)\n";
+  return text;
+}
+
+std::string format_full_report(const JobResult& result, const TrafficMeter& meter, const JobPlan& plan) {
   std::string text;
   auto out = std::back_inserter(text);
   const uint64_t rays = total(result.rays);
@@ -45,8 +91,8 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter, co
                  "time   load {:.2f} s, build {:.2f} s, broadcast {:.2f} s, trace {:.2f} s, write {:.2f} s, "
                  "total {:.2f} s\n",
                  t.load_s, t.build_s, t.broadcast_s, t.trace_s, t.write_s, t.total_s);
-  fmt::format_to(out, "rays   {}in all, {}per second", format_count(static_cast<double>(rays)),
-                 format_count(t.trace_s > 0 ? static_cast<double>(rays) / t.trace_s : 0));
+  fmt::format_to(out, "rays   {} in all, {}", format_count(static_cast<double>(rays)),
+                 format_rate(t.trace_s > 0 ? static_cast<double>(rays) / t.trace_s : 0, "rays/s"));
   for (size_t i = 0; i < kRayKinds.size(); ++i)
     if (result.rays[i] > 0) fmt::format_to(out, "; {} {}", kRayKinds[i], result.rays[i]);
   fmt::format_to(out, "\nnode   subpolygons          rays     busy     idle  machine\n");
@@ -87,6 +133,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                            {"problem", f.problem},
                            {"sha256_pixels", f.sha256},
                            {"rays", rays_json(f.rays)},
+                           {"not_finite", f.not_finite},
                            {"traced_by", f.traced_by}});
     if (f.is_written) last_sha256 = f.sha256;
   }
@@ -95,6 +142,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                 {"sha256_pixels", last_sha256},
                 {"pixel_format", name_of(settings.pixel_format)}};
   j["ranks"] = ranks;
+  j["scene"] = {{"bytes", result.scene_bytes}};
   j["nodes_lost"] = result.lost_nodes();
   j["rays"] = rays_json(result.rays);
   for (const Command command : kCommandList) {
@@ -121,6 +169,8 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                           {"machine", n.machine},
                           {"pid", n.pid},
                           {"lost", n.is_lost},
+                          {"had_work", n.had_work},
+                          {"problem", n.problem},
                           {"subpolygons", n.subpolygons},
                           {"rays", n.rays},
                           {"busy_s", n.busy_s},

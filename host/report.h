@@ -12,7 +12,11 @@ namespace rayfarm {
 /// The thesis's result message: bytes per pixel (4.4.4.2).
 inline constexpr double kModelBytesPerPixel = 9;
 
-std::string format_report(const JobResult& result, const TrafficMeter& meter, const JobPlan& plan);
+/// For people who want a picture: what was written, time, rays, speed, losses. At most ten lines.
+std::string format_report(const JobResult& result, const TrafficMeter& meter);
+
+/// For experimenters: traffic by command, times, rays and nodes, who traced what.
+std::string format_full_report(const JobResult& result, const TrafficMeter& meter, const JobPlan& plan);
 
 /// Writes the statistics file, whole or not at all. Throws IoError.
 void write_statistics(const std::string& path, const JobResult& result, const TrafficMeter& meter,

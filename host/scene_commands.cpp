@@ -6,23 +6,34 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/scene/camera.h"
 #include "common/scene/compile.h"
+#include "common/scene/darkness.h"
+#include "host/console.h"
 #include "host/exit_code.h"
 
 namespace rayfarm {
 namespace {
 
-/// What a render of the first frame would refuse: compile, and look through the camera.
+/// What a render of the first frame would refuse, or could not show: compile, and look through the camera.
 CompiledScene compile_and_look(const SceneDescription& scene) {
   CompiledScene compiled = compile(scene);
-  for (const std::string& note : compiled.notes.lines()) fmt::print(stderr, "rayfarm: {}\n", note);
   const int frame = scene.frames ? (*scene.frames)[0] : 0;
+  const int height_px = std::max(1, static_cast<int>(std::lround(640 / scene.view.aspect)));
+  const auto [width, height] = scene.view.resolution_px.value_or(std::array<int, 2>{640, height_px});
   try {
-    make_camera(compiled.scene, frame, 4, 3);
+    if (const auto problem = nothing_in_view(compiled.scene, frame, width, height))
+      compiled.notes.add(scene.source(), fmt::format("at frame {}: {}", frame, *problem));
   } catch (const std::domain_error& e) {
     throw InputError({scene.files.at(0)}, fmt::format("at frame {}: {}", frame, e.what()));
   }
+  RenderSettings paths;
+  paths.lighting = LightingModel::path;
+  if (is_dark(compiled.scene, paths) && !is_dark(compiled.scene, {}))
+    compiled.notes.add(
+        scene.source(),
+        "`--lighting path` shows the scene black: it leaves ambient light out, and nothing else "
+        "lights the scene");
+  for (const std::string& note : compiled.notes.lines()) say("rayfarm: {}\n", note);
   return compiled;
 }
 
@@ -69,9 +80,9 @@ int run_check(const std::string& path) {
   list_files_outside(scene);
   const size_t warnings = compiled.notes.lines().size();
   if (warnings == 0)
-    fmt::print(stderr, "{}: no problems found\n", path);
+    say("{}: no problems found\n", path);
   else
-    fmt::print(stderr, "{}: {} warning{}\n", path, warnings, warnings == 1 ? "" : "s");
+    say("{}: {} warning{}\n", path, warnings, warnings == 1 ? "" : "s");
   return kComplete;
 }
 

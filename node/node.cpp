@@ -1,5 +1,6 @@
 #include "node/node.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -17,16 +18,15 @@ namespace rayfarm {
 namespace {
 
 constexpr double kPollInterval_s = 0.01;  ///< while tracing
-// Before load code has come the host may be building a large scene, but it says that it is alive all the
-// same.
-constexpr double kHostTimeoutWhileLoading_s = 8;
 
 /// The host said that the job is over.
 struct Finished {
   bool has_losses = false;
 };
-/// The host has not been heard of for too long.
-struct HostGone {};
+/// The host is gone, or has been silent for too long.
+struct HostGone {
+  std::string sign;
+};
 
 struct Assigned {
   int frame = 0;
@@ -35,7 +35,7 @@ struct Assigned {
 
 class Node {
  public:
-  Node(Transport& transport, int self) : transport_(transport), self_(self), host_heard_(now_s()) {}
+  Node(Transport& transport, int self) : transport_(transport), self_(self) {}
 
   void introduce() {
     transport_.send(kHost, Hello{machine_name(), static_cast<uint32_t>(getpid()), build_identity()});
@@ -49,8 +49,7 @@ class Node {
 
   void begin(const JobPlan& plan) {
     plan_ = plan;
-    host_heard_ = now_s();
-    host_timeout_s_ = plan.host_timeout_s;
+    host_heard_ = listening_.now();
   }
 
   /// Until the host ends it. A node that could not load (no tracer) only waits for that.
@@ -67,13 +66,17 @@ class Node {
     }
   }
 
+  const ProcessSign& host() const { return host_; }
+
   void send_failure(const std::string& problem) { transport_.send(kHost, NodeFailed{problem}); }
 
  private:
-  /// Takes up all messages and tells the host that this node is alive.
+  /// Takes up all messages, and judges the host's silence.
   void poll() {
+    last_poll_ = now_s();
+    listening_.turn(last_poll_);
     while (auto message = transport_.try_receive()) {
-      host_heard_ = now_s();
+      host_heard_ = listening_.now();
       if (message->channel == Channel::control) {
         receive_control(decode_control(message->bytes));
       } else if (command_of(message->bytes) == Command::load_code) {
@@ -82,15 +85,24 @@ class Node {
         assigned_.push_back({frame_, decode_display_polygon(message->bytes)});
       }
     }
-    const double now = now_s();
-    last_poll_ = now;
-    heartbeat_.beat(transport_);
-    if (now - host_heard_ > host_timeout_s_) throw HostGone{};
+    if (!transport_.is_one_process()) doubt_host();
+  }
+
+  /// Silence alone ends nothing soon: a host that was stopped may go on.
+  void doubt_host() {
+    const double silence = listening_.now() - host_heard_;
+    if (silence < liveness::kHostDoubt_s) return;
+    const std::string host =
+        host_.pid() ? fmt::format("its host (process {} on {})", host_.pid(), host_.machine()) : "its host";
+    if (host_.is_gone()) throw HostGone{host + " is gone"};
+    if (silence > plan_.host_timeout_s)
+      throw HostGone{fmt::format("{} has been silent for {:.0f} s", host, silence)};
   }
 
   void receive_control(const Control& control) {
     if (const auto* finish = std::get_if<Finish>(&control)) throw Finished{finish->has_losses};
     if (std::holds_alternative<AskPresent>(control)) transport_.send(kHost, Present{});
+    if (const auto* hello = std::get_if<Hello>(&control)) host_ = {hello->machine, hello->pid};
     if (const auto* select = std::get_if<SelectFrame>(&control)) frame_ = static_cast<int>(select->frame);
     if (const auto* window = std::get_if<OpenWindow>(&control)) window_end_ = window->end_index;
     if (const auto* end = std::get_if<EndProcess>(&control)) end_hung_process(end->pid);
@@ -124,8 +136,12 @@ class Node {
         if (now_s() - last_poll_ > kPollInterval_s) poll();
       });
       if (plan_.ray_time_s > 0) pretend_until(begin + emulated_s(traced.rays));
-      SubpolygonReport report{static_cast<uint32_t>(work.frame), static_cast<uint32_t>(subpolygon),
-                              traced.rays, static_cast<uint64_t>((now_s() - begin) * 1e6)};
+      SubpolygonReport report{static_cast<uint32_t>(work.frame),
+                              static_cast<uint32_t>(subpolygon),
+                              traced.rays,
+                              static_cast<uint64_t>((now_s() - begin) * 1e6),
+                              traced.sees_anything,
+                              traced.not_finite};
       if (plan_.wire == Wire::pixel)
         send_pixels(work.polygon, report, traced.pixels);
       else
@@ -191,9 +207,10 @@ class Node {
   int self_;
   JobPlan plan_;
   std::optional<Bytes> plan_bytes_;
-  double host_timeout_s_ = kHostTimeoutWhileLoading_s;
-  double host_heard_, last_poll_ = 0;
-  Heartbeat heartbeat_;
+  ProcessSign host_;
+  ListeningClock listening_;
+  double host_heard_ = 0;  ///< by the listening clock
+  double last_poll_ = 0;
   int frame_ = 0;  ///< of the display polygons to come
   std::deque<Assigned> assigned_;
   uint32_t window_end_ = 0;     ///< interleaved: frames of the sequence before this may be traced
@@ -217,7 +234,7 @@ NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene,
     }
     std::unique_ptr<SubpolygonTracer> tracer;
     try {
-      tracer = make_tracer(plan, load_scene());
+      tracer = make_tracer(plan, load_scene(node.host()));
     } catch (const std::exception& e) {
       node.send_failure(e.what());
     }
@@ -225,9 +242,9 @@ NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene,
     node.work(tracer.get());
   } catch (const Finished& finished) {
     return finished.has_losses ? NodeEnding::finished_with_losses : NodeEnding::finished;
-  } catch (const HostGone&) {
-    std::fprintf(stderr, "rayfarm: node %d on %s has not heard of its host for too long and ends\n", self,
-                 machine_name().c_str());
+  } catch (const HostGone& gone) {
+    std::fprintf(stderr, "rayfarm: node %d on %s ends: %s\n", self, machine_name().c_str(),
+                 gone.sign.c_str());
     return NodeEnding::failed;
   }
 }

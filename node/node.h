@@ -6,6 +6,7 @@
 #include <string>
 
 #include "protocol/job_plan.h"
+#include "protocol/liveness.h"
 #include "protocol/transport.h"
 
 namespace rayfarm {
@@ -17,13 +18,15 @@ class SubpolygonTracer {
   struct Traced {
     Bytes pixels;
     std::array<uint64_t, 5> rays{};
+    bool sees_anything = true;  ///< an eye ray met something
+    uint64_t not_finite = 0;    ///< pixels that are infinite or not a number
   };
   /// `pulse` must be called often; what it throws must pass through.
   virtual Traced trace(int frame, const DisplayPolygon& polygon, const std::function<void()>& pulse) = 0;
 };
 
 /// How a node comes by the scene's block once load code has come; the bytes stay valid while the node runs.
-using LoadScene = std::function<std::span<const std::byte>()>;
+using LoadScene = std::function<std::span<const std::byte>(const ProcessSign& host)>;
 using MakeTracer =
     std::function<std::unique_ptr<SubpolygonTracer>(const JobPlan& plan, std::span<const std::byte> scene)>;
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/liveness.h"
 #include "protocol/subpolygons.h"
 
 namespace rayfarm {
@@ -18,7 +19,7 @@ struct JobPlan {
   Wire wire = Wire::block;
   bool compresses = true;  ///< RGB8 blocks only
   int processors = 1;
-  double host_timeout_s = 6;  ///< a node that hears nothing of the host for so long ends
+  double host_timeout_s = liveness::kLongSilence_s;  ///< a node ends if its host is silent for so long
   SubpolygonGrid grid;
   bool rotates = true;               ///< interleaved: sets move on from frame to frame
   double ray_time_s = 0;             ///< emulated processors: what a ray takes at least

@@ -22,6 +22,7 @@ class LocalTransport : public Transport {
     if (self == kHost) own_meter(node_count());
   }
   int node_count() const override { return static_cast<int>(hub_->inboxes.size()) - 1; }
+  bool is_one_process() const override { return true; }
 
  protected:
   void do_send(int to, Channel channel, Bytes bytes) override {

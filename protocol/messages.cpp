@@ -10,6 +10,7 @@ void write_report(ByteWriter& w, const SubpolygonReport& r) {
   w.varint(r.subpolygon);
   for (const uint64_t rays : r.rays) w.varint(rays);
   w.varint(r.busy_us);
+  w.varint(r.not_finite << 1 | (r.sees_anything ? 1u : 0u));
 }
 
 uint32_t read_u32_varint(ByteReader& r) {
@@ -24,6 +25,9 @@ SubpolygonReport read_report(ByteReader& r) {
   report.subpolygon = read_u32_varint(r);
   for (uint64_t& rays : report.rays) rays = r.varint();
   report.busy_us = r.varint();
+  const uint64_t last = r.varint();
+  report.sees_anything = last & 1;
+  report.not_finite = last >> 1;
   return report;
 }
 

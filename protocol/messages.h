@@ -68,6 +68,8 @@ struct SubpolygonReport {
   uint32_t subpolygon = 0;
   std::array<uint64_t, 5> rays{};  ///< primary, shadow, reflected, transmitted, diffuse
   uint64_t busy_us = 0;
+  bool sees_anything = false;  ///< an eye ray met something
+  uint64_t not_finite = 0;     ///< pixels that are infinite or not a number
 };
 
 /// The thesis's form: 2 bytes of word, 2 × 2 of position, 3 of value; several may follow each other in one
@@ -94,12 +96,12 @@ BlockResult decode_block(std::span<const std::byte> message);
 // ---- control
 // --------------------------------------------------------------------------------------------------
 
-struct Hello {  ///< node → host, first of all
+struct Hello {  ///< both ways, first of all
   std::string machine;
   uint32_t pid = 0;
   std::string build;
 };
-struct Alive {};      ///< both ways, every second or so
+struct Alive {};      ///< both ways, by the heart
 struct SelectFrame {  ///< host → node: the frame of the display polygons that follow
   uint32_t frame = 0;
 };
@@ -123,7 +125,7 @@ struct EndProcess {  ///< host → node: end a hung process of this job on your 
 struct Finish {             ///< host → node: the job is over
   bool has_losses = false;  ///< some node is lost: ending MPI would wait for it
 };
-struct AskPresent {};  ///< host → node, at the end: answer with Present
+struct AskPresent {};  ///< host → node, at the end: answer with Present, rather than at the next heartbeat
 struct Present {};     ///< node → host
 using Control = std::variant<Hello, Alive, SelectFrame, OpenWindow, SubpolygonDone, SubpolygonFailed,
                              NodeFailed, EndProcess, Finish, AskPresent, Present>;

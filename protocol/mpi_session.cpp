@@ -1,5 +1,6 @@
 #include "protocol/mpi_session.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <mpi.h>
 #include <sys/statvfs.h>
@@ -7,11 +8,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <list>
+#include <mutex>
 #include <vector>
+
+#include "protocol/liveness.h"
 
 namespace rayfarm {
 namespace {
@@ -19,12 +24,11 @@ namespace {
 // A chunk takes well under the time limit even on the thesis's 8 Mbit/s net (0.26 s per copy).
 constexpr size_t kChunkBytes = 256 << 10;
 static_assert(kChunkBytes % kDataWordBytes == 0);
-constexpr double kChunkSeconds = 20;
 
 /// How long MPI may take to start: longer where many processes share few cores.
 double start_limit_s() {
   const char* size = std::getenv("OMPI_COMM_WORLD_SIZE");
-  return 25 + 0.5 * std::max(0, (size ? std::atoi(size) : 0) - 8);
+  return liveness::kLoadingStep_s + 0.5 * std::max(0, (size ? std::atoi(size) : 0) - 8);
 }
 
 void check(int code, const char* what) {
@@ -43,7 +47,8 @@ int to_int(size_t n) {
 
 class MpiTransport : public Transport {
  public:
-  explicit MpiTransport(MPI_Comm comm) : comm_(comm) {
+  /// `in_mpi` is held in every call of MPI.
+  MpiTransport(MPI_Comm comm, std::mutex& in_mpi) : comm_(comm), in_mpi_(in_mpi) {
     int rank = 0, size = 1;
     MPI_Comm_rank(comm, &rank);
     MPI_Comm_size(comm, &size);
@@ -52,9 +57,11 @@ class MpiTransport : public Transport {
     if (rank == kHost) own_meter(nodes_);
   }
   int node_count() const override { return nodes_; }
+  bool is_one_process() const override { return false; }
 
  protected:
   void do_send(int to, Channel channel, Bytes bytes) override {
+    const std::lock_guard lock(in_mpi_);
     drop_finished_sends();
     sends_.push_back({MPI_REQUEST_NULL, std::move(bytes)});
     Pending& s = sends_.back();
@@ -64,6 +71,7 @@ class MpiTransport : public Transport {
   }
 
   std::optional<Message> do_try_receive() override {
+    const std::lock_guard lock(in_mpi_);
     drop_finished_sends();
     while (true) {  // take up all that has arrived
       int found = 0;
@@ -122,6 +130,7 @@ class MpiTransport : public Transport {
   }
 
   MPI_Comm comm_;
+  std::mutex& in_mpi_;
   int nodes_ = 0;
   size_t next_ = 0;
   std::list<Pending> sends_;
@@ -154,11 +163,28 @@ class PrivateBlock : public SharedBlock {
   std::unique_ptr<std::byte, decltype(&std::free)> data_;
 };
 
-bool shared_memory_holds(uint64_t bytes) {
+/// MPI itself keeps buffers in shared memory.
+constexpr uint64_t kSpareSharedMemory = 16 << 20;
+
+bool shared_memory_seems_to_hold(uint64_t bytes) {
   struct statvfs info {};
   if (statvfs("/dev/shm", &info) != 0) return false;
-  constexpr uint64_t kSpare = 16 << 20;  // MPI itself keeps buffers there
-  return uint64_t{info.f_bavail} * info.f_frsize >= bytes + kSpare;
+  return uint64_t{info.f_bavail} * info.f_frsize >= bytes + kSpareSharedMemory;
+}
+
+/// Takes all pages of shared memory now, so that none is missing when it is written: that would end the
+/// process with SIGBUS. The kernel writes them, and reports what a write of ours could not survive.
+bool claim(std::byte* memory, size_t bytes) {
+  const int zeros = open("/dev/zero", O_RDONLY | O_CLOEXEC);
+  if (zeros < 0) return false;
+  size_t done = 0;
+  while (done < bytes) {
+    const ssize_t n = read(zeros, memory + done, std::min<size_t>(bytes - done, 64 << 20));
+    if (n <= 0 && errno != EINTR) break;
+    if (n > 0) done += static_cast<size_t>(n);
+  }
+  close(zeros);
+  return done == bytes;
 }
 
 }  // namespace
@@ -166,12 +192,17 @@ bool shared_memory_holds(uint64_t bytes) {
 struct MpiSession::State {
   Watchdog watchdog;
   MPI_Comm comm = MPI_COMM_NULL;
+  std::mutex in_mpi;  ///< one thread at a time calls MPI
   int rank = 0, size = 1;
+
+  double step_limit_s() const {
+    return rank == kHost ? liveness::kLoadingStep_s : liveness::kLoadingStepOfNodes_s;
+  }
 
   /// Runs one collective step under the watchdog.
   template <typename Step>
   void collective(const char* what, Step step) {
-    watchdog.arm(kChunkSeconds,
+    watchdog.arm(step_limit_s(),
                  fmt::format("a process was lost while loading ({}); the job ends. Start it again, "
                              "without the machine that failed",
                              what));
@@ -185,7 +216,7 @@ struct MpiSession::State {
     MPI_Request request = MPI_REQUEST_NULL;
     check(MPI_Ibarrier(machine, &request), "the end of loading");
     const auto arm = [this] {
-      watchdog.arm(kChunkSeconds,
+      watchdog.arm(step_limit_s(),
                    "a process was lost while loading (the machine's copy); the job ends. Start it "
                    "again, without the machine that failed");
     };
@@ -210,7 +241,14 @@ bool MpiSession::is_launched() {
 MpiSession::MpiSession(int* argc, char*** argv) : state_(std::make_unique<State>()) {
   state_->watchdog.arm(start_limit_s(),
                        "MPI did not start: a process was lost, or a machine can't be reached");
-  MPI_Init(argc, argv);
+  // The heart sends beside the thread that does all else.
+  int provided = MPI_THREAD_SINGLE;
+  MPI_Init_thread(argc, argv, MPI_THREAD_SERIALIZED, &provided);
+  if (provided < MPI_THREAD_SERIALIZED) {
+    std::fprintf(stderr,
+                 "rayfarm: this MPI can't be called by more than one thread; use another build of it\n");
+    end_job(1);
+  }
   state_->watchdog.arm(start_limit_s(), "a process was lost while MPI started");
   // A communicator of our own: without this the return codes below would never be seen.
   MPI_Comm_dup(MPI_COMM_WORLD, &state_->comm);
@@ -230,12 +268,15 @@ int MpiSession::size() const {
 }
 
 std::unique_ptr<Transport> MpiSession::make_transport() {
-  return std::make_unique<MpiTransport>(state_->comm);
+  return std::make_unique<MpiTransport>(state_->comm, state_->in_mpi);
 }
 
 std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> block, TrafficMeter* meter,
-                                                   const std::function<void(const std::string&)>& warn) {
+                                                   const std::function<void(const std::string&)>& warn,
+                                                   std::function<std::string()> names_the_gone) {
   State& s = *state_;
+  const std::lock_guard lock(s.in_mpi);  // no heartbeats meanwhile: nobody listens for them
+  s.watchdog.set_witness(std::move(names_the_gone));
   uint64_t size = block.size();
   s.collective("the scene's size", [&] { return MPI_Bcast(&size, 1, MPI_UINT64_T, kHost, s.comm); });
 
@@ -249,33 +290,45 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
   MPI_Comm_rank(machine, &machine_rank);
   MPI_Comm_size(machine, &machine_size);
 
-  int is_shared = shared_memory_holds(size) ? 1 : 0;
-  s.collective("choosing the memory", [&] { return MPI_Bcast(&is_shared, 1, MPI_INT, 0, machine); });
-  if (!is_shared && machine_rank == 0)
-    warn(fmt::format(
-        "/dev/shm has no room for the scene's {} MiB: the {} processes on this machine hold a copy each",
-        size >> 20, machine_size));
-
+  // Only the machine's leader knows whether its memory is there.
+  const auto agree = [&](bool leader_says) {
+    int is_shared = leader_says ? 1 : 0;
+    s.collective("choosing the memory", [&] { return MPI_Bcast(&is_shared, 1, MPI_INT, 0, machine); });
+    return is_shared != 0;
+  };
   std::unique_ptr<SharedBlock> result;
   std::byte* target = nullptr;
   uint64_t* progress = nullptr;
+  bool is_shared = agree(shared_memory_seems_to_hold(size));
   if (is_shared) {
     MPI_Win window = MPI_WIN_NULL;
+    std::byte* own = nullptr;
+    const size_t window_bytes = size + 2 * kDataWordBytes;
     s.collective("making shared memory", [&] {
-      return MPI_Win_allocate_shared(machine_rank == 0 ? static_cast<MPI_Aint>(size + 2 * kDataWordBytes) : 0,
-                                     1, MPI_INFO_NULL, machine, &target, &window);
+      return MPI_Win_allocate_shared(machine_rank == 0 ? static_cast<MPI_Aint>(window_bytes) : 0, 1,
+                                     MPI_INFO_NULL, machine, &own, &window);
     });
-    MPI_Aint window_size = 0;
-    int unit = 1;
-    check(MPI_Win_shared_query(window, 0, &window_size, &unit, &target), "finding shared memory");
-    // Processes map the window where they like, but always by whole pages, so the padding is the same for
-    // all.
-    target += (64 - reinterpret_cast<uintptr_t>(target) % 64) % 64;
-    // Behind the block stands how much of it has come, for those who only wait.
-    progress = reinterpret_cast<uint64_t*>(target + size);
-    if (machine_rank == 0) std::atomic_ref(*progress).store(0);
-    result = std::make_unique<WindowBlock>(target, size);
-  } else {
+    is_shared = agree(machine_rank != 0 || claim(own, window_bytes));
+    if (is_shared) {
+      MPI_Aint window_size = 0;
+      int unit = 1;
+      check(MPI_Win_shared_query(window, 0, &window_size, &unit, &target), "finding shared memory");
+      // Processes map the window where they like, but always by whole pages, so the padding is the same for
+      // all.
+      target += (64 - reinterpret_cast<uintptr_t>(target) % 64) % 64;
+      // Behind the block stands how much of it has come, for those who only wait.
+      progress = reinterpret_cast<uint64_t*>(target + size);
+      if (machine_rank == 0) std::atomic_ref(*progress).store(0);
+      result = std::make_unique<WindowBlock>(target, size);
+    } else {
+      s.collective("giving shared memory back", [&] { return MPI_Win_free(&window); });
+    }
+  }
+  if (!is_shared) {
+    if (machine_rank == 0)
+      warn(fmt::format(
+          "/dev/shm has no room for the scene's {} MiB: the {} processes on this machine hold a copy each",
+          size >> 20, machine_size));
     auto own = std::make_unique<PrivateBlock>(size);
     target = own->data();
     result = std::move(own);
@@ -308,6 +361,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
   }
   s.wait_for_machine(machine, progress);
   s.collective("the end of loading", [&] { return MPI_Barrier(s.comm); });
+  s.watchdog.set_witness({});
   return result;
 }
 
@@ -315,11 +369,11 @@ void MpiSession::finish(int code, Parting parting) {
   std::fflush(nullptr);
   if (parting == Parting::ending_the_hung) {
     // With recovery switched on mpirun still returns 0.
-    state_->watchdog.arm(10, "the job's last processes did not end");
+    state_->watchdog.arm(liveness::kEnding_s, "the job's last processes did not end");
     MPI_Abort(state_->comm, code);
   }
   if (code != 0 || parting == Parting::without_the_lost) end_job(code);
-  state_->watchdog.arm(10, "MPI did not end by itself");
+  state_->watchdog.arm(liveness::kEnding_s, "MPI did not end by itself");
   MPI_Finalize();
   state_->watchdog.disarm();
   _exit(0);

@@ -44,9 +44,11 @@ class MpiSession {
 
   /// Collective: gives every machine one copy of the host's block in shared memory, in chunks of load data.
   /// Where /dev/shm is too small the machine's processes hold a copy each, and `warn` is called on one of
-  /// them. `block` is read on rank 0 only. A process lost meanwhile ends the job within 20 s.
+  /// them. `block` is read on rank 0 only. A process lost meanwhile ends the job: at once if
+  /// `names_the_gone` (see Watchdog) names it, else within kLoadingStepOfNodes_s.
   std::unique_ptr<SharedBlock> load_data(std::span<const std::byte> block, TrafficMeter* meter,
-                                         const std::function<void(const std::string&)>& warn);
+                                         const std::function<void(const std::string&)>& warn,
+                                         std::function<std::string()> names_the_gone);
 
   /// Ends the process, and MPI with it.
   [[noreturn]] void finish(int code, Parting parting);

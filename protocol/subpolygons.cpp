@@ -33,27 +33,10 @@ int golden_step(int n) {
       if (step > 0 && std::gcd(step, n) == 1) return step;
 }
 
-}  // namespace
-
-DisplayPolygon SubpolygonGrid::polygon(int subpolygon) const {
-  const int column = subpolygon % columns, row = subpolygon / columns;
-  return {static_cast<uint16_t>(left + boundary(width, columns, column)),
-          static_cast<uint16_t>(top + boundary(height, rows, row)),
-          static_cast<uint16_t>(left + boundary(width, columns, column + 1) - 1),
-          static_cast<uint16_t>(top + boundary(height, rows, row + 1) - 1)};
-}
-
-int SubpolygonGrid::find(const DisplayPolygon& p) const {
-  const int column = cell_at(width, columns, p.left - left), row = cell_at(height, rows, p.top - top);
-  if (column < 0 || row < 0) return -1;
-  const int subpolygon = row * columns + column;
-  return polygon(subpolygon) == p ? subpolygon : -1;
-}
-
-SubpolygonGrid make_grid(int left, int top, int width, int height, int processors, int per_processor,
+/// About `wanted` subpolygons in all.
+SubpolygonGrid best_grid(int left, int top, int width, int height, int processors, double wanted,
                          int least_side) {
   const int most_columns = std::max(1, width / least_side), most_rows = std::max(1, height / least_side);
-  const double wanted = double(per_processor) * std::max(1, processors);
   const double squares = std::sqrt(wanted * width / height);  // columns that make subpolygons square
   SubpolygonGrid best{left, top, width, height, 1, 1};
   double least_fault = std::numeric_limits<double>::infinity();
@@ -76,6 +59,35 @@ SubpolygonGrid make_grid(int left, int top, int width, int height, int processor
       }
     }
   return best;
+}
+
+}  // namespace
+
+DisplayPolygon SubpolygonGrid::polygon(int subpolygon) const {
+  const int column = subpolygon % columns, row = subpolygon / columns;
+  return {static_cast<uint16_t>(left + boundary(width, columns, column)),
+          static_cast<uint16_t>(top + boundary(height, rows, row)),
+          static_cast<uint16_t>(left + boundary(width, columns, column + 1) - 1),
+          static_cast<uint16_t>(top + boundary(height, rows, row + 1) - 1)};
+}
+
+int SubpolygonGrid::find(const DisplayPolygon& p) const {
+  const int column = cell_at(width, columns, p.left - left), row = cell_at(height, rows, p.top - top);
+  if (column < 0 || row < 0) return -1;
+  const int subpolygon = row * columns + column;
+  return polygon(subpolygon) == p ? subpolygon : -1;
+}
+
+SubpolygonGrid make_grid(int left, int top, int width, int height, int processors, int per_processor,
+                         int least_side, size_t most_pixels) {
+  double wanted = double(per_processor) * std::max(1, processors);
+  while (true) {
+    const SubpolygonGrid grid = best_grid(left, top, width, height, processors, wanted, least_side);
+    const auto columns = size_t((width + grid.columns - 1) / grid.columns),
+               rows = size_t((height + grid.rows - 1) / grid.rows);
+    if (columns * rows <= most_pixels || wanted > double(width) * height) return grid;
+    wanted *= std::max(1.1, double(columns) * double(rows) / double(most_pixels));
+  }
 }
 
 int interleaved_owner(const SubpolygonGrid& grid, int processors, int frame_index, int subpolygon) {

@@ -21,9 +21,18 @@ struct SubpolygonGrid {
 /// The thesis's number of subpolygons for each processor.
 inline constexpr int kSubpolygonsPerProcessor = 64;
 
-/// About so many subpolygons per processor, none narrower than `least_side` pixels unless the rectangle is.
+/// None is narrower, unless the picture is.
+inline constexpr int kLeastSide_px = 8;
+
+/// What a result may weigh: far below the 2 GiB of an MPI message, so that no node or net is busy for long
+/// with one.
+inline constexpr size_t kMostSubpolygonBytes = 64 << 20;
+
+/// About so many subpolygons per processor, none narrower than `least_side` pixels unless the rectangle is,
+/// none with more than `most_pixels`.
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors,
-                         int per_processor = kSubpolygonsPerProcessor, int least_side = 8);
+                         int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastSide_px,
+                         size_t most_pixels = kMostSubpolygonBytes / kPixelBytes);
 
 /// The processor (0 to processors - 1) that traces a subpolygon of the sequence's frame `frame_index`: evenly
 /// spread over the image, and the next processor's set in the next frame.

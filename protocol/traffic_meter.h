@@ -1,7 +1,8 @@
 #pragma once
 // Counts every message by command, direction and node. The host's transport owns one; nothing passes it
-// uncounted.
+// uncounted. Any thread may use it.
 #include <array>
+#include <mutex>
 #include <vector>
 
 #include "protocol/messages.h"
@@ -26,21 +27,25 @@ class TrafficMeter {
 
   /// `node` counts from 1; 0 stands for a broadcast, which the net carries once (thesis: to all in parallel).
   void count_command(int node, Direction direction, Command command, const Traffic& traffic) {
+    const std::lock_guard lock(mutex_);
     command_[static_cast<size_t>(node)][static_cast<size_t>(direction)][static_cast<size_t>(command)] +=
         traffic;
   }
   void count_control(int node, Direction direction, const Traffic& traffic) {
+    const std::lock_guard lock(mutex_);
     control_[static_cast<size_t>(node)][static_cast<size_t>(direction)] += traffic;
   }
 
   /// All of a command, both directions and every node.
   Traffic total(Command command) const {
+    const std::lock_guard lock(mutex_);
     Traffic sum;
     for (const auto& node : command_)
       for (const auto& direction : node) sum += direction[static_cast<size_t>(command)];
     return sum;
   }
   Traffic total_control() const {
+    const std::lock_guard lock(mutex_);
     Traffic sum;
     for (const auto& node : control_)
       for (const Traffic& direction : node) sum += direction;
@@ -48,12 +53,14 @@ class TrafficMeter {
   }
   /// All that one node sent or was sent alone.
   Traffic of_node(int node, Direction direction) const {
+    const std::lock_guard lock(mutex_);
     Traffic sum = control_[static_cast<size_t>(node)][static_cast<size_t>(direction)];
     for (const Traffic& t : command_[static_cast<size_t>(node)][static_cast<size_t>(direction)]) sum += t;
     return sum;
   }
 
  private:
+  mutable std::mutex mutex_;
   std::vector<std::array<std::array<Traffic, kCommands>, 2>> command_;
   std::vector<std::array<Traffic, 2>> control_;
 };

@@ -4,8 +4,6 @@
 #include <chrono>
 #include <thread>
 
-#include "protocol/clock.h"
-
 namespace rayfarm {
 
 void Transport::count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes) {
@@ -33,18 +31,6 @@ std::optional<Message> Transport::try_receive() {
   auto message = do_try_receive();
   if (message) count(message->source, Direction::to_host, message->channel, message->bytes);
   return message;
-}
-
-void Heartbeat::beat(Transport& transport) {
-  constexpr double kInterval_s = 1;
-  const double now = now_s();
-  if (now - sent_s_ < kInterval_s) return;
-  sent_s_ = now;
-  if (transport.is_host()) {
-    for (int node = 1; node <= transport.node_count(); ++node) transport.send(node, Alive{});
-  } else {
-    transport.send(kHost, Alive{});
-  }
 }
 
 void Backoff::wait() {

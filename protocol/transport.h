@@ -1,6 +1,7 @@
 #pragma once
 // How messages travel between the host and its nodes. Both transports keep the order of messages between any
-// two ends, never block, and may lose what is sent to a process that is gone.
+// two ends, never block, and may lose what is sent to a process that is gone. Any thread may send; one
+// receives.
 #include <memory>
 #include <optional>
 
@@ -24,6 +25,8 @@ class Transport {
  public:
   virtual ~Transport() = default;
   virtual int node_count() const = 0;
+  /// True if all ends live and die together: none can be lost alone.
+  virtual bool is_one_process() const = 0;
 
   /// Sends to one end and counts it.
   void send(int to, Channel channel, Bytes bytes);
@@ -46,15 +49,6 @@ class Transport {
  private:
   void count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes);
   std::unique_ptr<TrafficMeter> meter_;
-};
-
-/// Tells the other side once a second that this process is alive: the host every node, a node its host.
-class Heartbeat {
- public:
-  void beat(Transport& transport);
-
- private:
-  double sent_s_ = 0;
 };
 
 /// Sleeps longer the longer nothing happens, so that waiting costs almost no processor time.

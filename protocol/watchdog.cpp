@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -42,31 +43,35 @@ Watchdog::~Watchdog() {
 
 void Watchdog::arm(double seconds, std::string message) {
   const std::lock_guard lock(mutex_);
-  deadline_ =
-      std::chrono::steady_clock::now() +
-      std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds));
+  left_s_ = seconds;
   message_ = std::move(message);
   is_armed_ = true;
-  changed_.notify_all();
 }
 
 void Watchdog::disarm() {
   const std::lock_guard lock(mutex_);
   is_armed_ = false;
-  changed_.notify_all();
+}
+
+void Watchdog::set_witness(std::function<std::string()> names_the_gone) {
+  const std::lock_guard lock(mutex_);
+  names_the_gone_ = std::move(names_the_gone);
 }
 
 void Watchdog::watch() {
+  constexpr std::chrono::duration<double> kStep(0.25);
   std::unique_lock lock(mutex_);
-  while (!is_ending_) {
-    if (!is_armed_) {
-      changed_.wait(lock);
-    } else if (changed_.wait_until(lock, deadline_) == std::cv_status::timeout && is_armed_ &&
-               std::chrono::steady_clock::now() >= deadline_) {
-      std::fprintf(stderr, "rayfarm: %s\n", message_.c_str());
-      std::fflush(nullptr);
-      end_job(1);
-    }
+  const auto end = [](const std::string& why) {
+    std::fprintf(stderr, "rayfarm: %s\n", why.c_str());
+    std::fflush(nullptr);
+    end_job(1);
+  };
+  while (!changed_.wait_for(lock, kStep, [this] { return is_ending_; })) {
+    if (!is_armed_) continue;
+    if (names_the_gone_)
+      if (const std::string gone = names_the_gone_(); !gone.empty()) end(gone);
+    left_s_ -= kStep.count();  // what was asked for: if the process was stopped, it was longer
+    if (left_s_ <= 0) end(message_);
   }
 }
 

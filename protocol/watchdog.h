@@ -1,8 +1,8 @@
 #pragma once
 // Ends this process when something that can't be interrupted, an MPI collective above all, makes no progress:
-// with a dead process in it, it would wait for ever.
-#include <chrono>
+// with a dead process in it, it would wait for ever. A pause of this process does not count.
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -20,12 +20,16 @@ class Watchdog {
   /// and the whole job ends with exit code 1 (see end_job).
   void arm(double seconds, std::string message);
   void disarm();
+  /// Asked a few times a second while armed, in the watchdog's thread: names a process that is known to be
+  /// gone, which ends the job at once, or nothing.
+  void set_witness(std::function<std::string()> names_the_gone);
 
  private:
   void watch();
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::chrono::steady_clock::time_point deadline_;
+  std::function<std::string()> names_the_gone_;
+  double left_s_ = 0;
   std::string message_;
   bool is_armed_ = false, is_ending_ = false;
   std::thread thread_;

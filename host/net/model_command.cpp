@@ -25,7 +25,9 @@ void read_statistics(const std::string& path, NetModel& model) {
     model.pixel_time_s = busy_s / (model.pixels * frames);
     const auto& traffic = j.at("traffic");
     model.code_bytes = traffic.at(name_of(Command::load_code)).at("bytes");
-    model.data_bytes = traffic.at(name_of(Command::load_data)).at("bytes");
+    // A render without mpirun sends no scene, but a net would.
+    model.data_bytes = std::max(traffic.at(name_of(Command::load_data)).at("bytes").get<double>(),
+                                j.at("scene").at("bytes").get<double>());
     const double nodes = static_cast<double>(j.at("nodes").size());
     model.assignment_bytes =
         traffic.at(name_of(Command::load_display_polygon)).at("bytes").get<double>() / (frames * nodes);

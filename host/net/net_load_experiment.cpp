@@ -30,7 +30,7 @@ constexpr double kKnee = 12;              ///< processors that are to fill the n
 constexpr double kMessagePayload = 1448;  ///< of TCP in an Ethernet frame
 
 /// Ends the experiment with a job's exit code.
-struct Stopped {
+struct Interrupted {
   int exit_code;
 };
 
@@ -112,7 +112,7 @@ class NetLoad {
   }
 
   void render_here(const RenderOptions& job) const {
-    if (const int code = render_(job); code != 0) throw Stopped{code};
+    if (const int code = render_(job); code != 0) throw Interrupted{code};
   }
 
   void calibrate(Setup& setup) const {
@@ -148,7 +148,7 @@ class NetLoad {
     const int status = std::system(command.c_str());
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
       fmt::print(stderr, "rayfarm: the run '{}' on the virtual cluster failed\n", name);
-      throw Stopped{WIFEXITED(status) ? WEXITSTATUS(status) : kStopped};
+      throw Interrupted{WIFEXITED(status) ? WEXITSTATUS(status) : kStopped};
     }
     return read_json_file(stats);
   }
@@ -399,8 +399,8 @@ int run_net_load_experiment(const ExperimentOptions& options,
   try {
     const NetLoadPage page = NetLoad(options, render).run();
     write_net_load_page(page, options.output);
-  } catch (const Stopped& stopped) {
-    return stopped.exit_code;
+  } catch (const Interrupted& interrupted) {
+    return interrupted.exit_code;
   }
   fmt::print("{}\n", (fs::path(options.output) / "README.md").string());
   return kComplete;

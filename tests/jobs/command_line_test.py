@@ -1,4 +1,5 @@
 """What users get wrong: each ends in a clear message and its own exit code, and leaves nothing behind."""
+import json
 import os
 import pathlib
 import re
@@ -26,10 +27,42 @@ class Usage(JobTest):
 
     def test_no_command_and_unknown_command(self):
         self.expect(2)
-        self.expect(2, "rendr", SCENE)
+        self.expect(2, "rendr", SCENE, says=["did you mean 'render'?"])
 
     def test_unknown_option(self):
-        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sample", "4")
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sample", "4", says=["did you mean '--samples'?"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--ligthing=path", says=["did you mean '--lighting'?"])
+
+    def test_help_shows_nothing_of_the_parser(self):
+        for command in ("render", "check", "info", "compare", "experiment", "model", "simulate"):
+            text = self.run_alone(command, "--help").stdout
+            self.assertNotRegex(text, r"[\x00-\x09\x0b-\x1f]|\{|->|UINT|FLOAT|:INT", command)
+        text = self.run_alone("render", "--help").stdout
+        for title in ("Picture:", "Sampling:", "Light:", "Nodes and net:", "Messages:"):
+            self.assertIn(title, text)
+        self.assertNotIn("\nOptions:\n  --", text)
+        self.assertIn("bus|switch", self.run_alone("simulate", "--help").stdout)
+
+    def test_outputs_need_names_of_their_own(self):
+        same = self.folder / "same.png"
+        self.expect(2, "render", SCENE, "-o", same, "--stats", same, says=["names the same file"])
+        self.expect(2, "render", SCENE, "-o", same, "--stats", self.folder / "." / "s.json", "--cost-map", self.folder / "s.json",
+                    says=["names the same file"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "f.##.png", "--frames", "1", "--stats", self.folder / "f.01.png", *SMALL,
+                    says=["name of its own"])
+        scene = self.write("scene.yaml", SCENE.read_text())
+        self.expect(2, "render", scene, "-o", same, "--stats", scene, says=["the scene itself"])
+        self.assertEqual(scene.read_text(), SCENE.read_text())
+        self.assertFalse(same.exists())
+
+    def test_adaptive_does_not_suit_paths(self):
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--adaptive", "0.1", "--samples", "4", "--lighting", "path",
+                    says=["whitted and thesis"])
+
+    def test_a_frame_larger_than_memory(self):
+        result = self.expect(1, "render", SCENE, "-o", self.folder / "a.exr", "--size", "65536x65536", "--pixel-format", "float",
+                             says=["48.00 GiB", "--crop"])
+        self.assertLess(result.seconds, 20)
 
     def test_wrong_values(self):
         for option, value, says in (("--size", "64", "WIDTHxHEIGHT"), ("--size", "70000x10", "65536"), ("--size", "0x9", "65536"),
@@ -43,8 +76,17 @@ class Usage(JobTest):
 
     def test_output_names(self):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.jpg", says=[".exr or .png"])
-        self.expect(2, "render", SCENE, "-o", self.folder / "no" / "a.png", says=["there is no folder"])
-        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--stats", self.folder / "no" / "s.json", says=["there is no folder"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "no" / "no" / "a.png", says=["there is no folder"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--stats", self.folder / "no" / "no" / "s.json", says=["there is no folder"])
+        self.write("file", "")
+        self.expect(2, "render", SCENE, "-o", self.folder / "file" / "a.png", says=["is not a folder"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--stats", self.folder, says=["is a folder"])
+        self.expect(3, "render", self.folder / "no.yaml", "-o", self.folder / "new" / "a.png")
+        self.assertFalse((self.folder / "new").exists(), "nothing is made for a job that can't begin")
+
+    def test_an_output_folder_is_made_in_one_that_is_there(self):
+        self.expect(0, "render", SCENE, "-o", self.folder / "new" / "a.png", "--stats", self.folder / "new" / "s.json", *SMALL)
+        self.assertEqual(sorted(p.name for p in (self.folder / "new").iterdir()), ["a.png", "s.json"])
 
     def test_pixel_wire_needs_rgb8(self):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--wire", "pixel", "--pixel-format", "half", says=["rgb8"])
@@ -104,6 +146,124 @@ class Output(JobTest):
         self.assertEqual(self.run_alone(*arguments).code, 0)
         self.assertEqual((self.folder / "f.03.png").stat().st_mtime_ns, first)
         self.assertTrue(second.exists())
+
+    def skip_existing(self, *arguments, scene=SCENE):
+        result = self.run_alone("render", scene, "-o", self.folder / "f.##.png", "--frames", "3-4", "--skip-existing", "--size", "32x24",
+                                *arguments)
+        self.assertEqual(result.code, 0, result.stderr)
+        return result
+
+    def test_skip_existing_knows_what_is_not_the_picture(self):
+        scene = self.write("s.yaml", SCENE.read_text())
+        self.skip_existing(scene=scene)
+        first, second = self.folder / "f.03.png", self.folder / "f.04.png"
+        good = first.read_bytes()
+        self.assertEqual(self.skip_existing(scene=scene).stdout, "")
+        other_size = self.folder / "small.png"
+        self.assertEqual(self.run_alone("render", scene, "-o", other_size, "--size", "16x12", "-q").code, 0)
+        damaged = bytearray(good)
+        damaged[len(good) * 3 // 4] ^= 255
+        foreign = subprocess.run(["oiiotool", "--create", "32x24", "3", "-o", str(self.folder / "foreign.png")], capture_output=True, timeout=30)
+        self.assertEqual(foreign.returncode, 0, foreign.stderr)
+        for content, says in ((good[:len(good) // 2], "not a whole picture"), (b"", "not a whole picture"), (bytes(damaged), "not a whole picture"),
+                              (other_size.read_bytes(), "16×12"), (second.read_bytes(), "another frame"),
+                              ((self.folder / "foreign.png").read_bytes(), "does not say")):
+            first.write_bytes(content)
+            result = self.skip_existing(scene=scene)
+            self.assertIn(says, result.stderr)
+            self.assertEqual(result.stdout, f"{first}\n")
+            self.assertEqual(first.read_bytes(), good)
+        result = self.skip_existing("--samples", "2", scene=scene)
+        self.assertIn("other settings", result.stderr)
+        self.assertEqual(len(result.stdout.splitlines()), 2)
+        scene.write_text(scene.read_text().replace("background: [0, 0, 0]", "background: [0.1, 0, 0]"))
+        self.assertIn("another scene", self.skip_existing("--samples", "2", scene=scene).stderr)
+
+    def test_skip_existing_reads_exr(self):
+        arguments = ["render", SCENE, "-o", self.folder / "a.exr", "--skip-existing", *SMALL]
+        self.assertNotEqual(self.run_alone(*arguments).stdout, "")
+        self.assertEqual(self.run_alone(*arguments).stdout, "")
+        whole = (self.folder / "a.exr").read_bytes()
+        (self.folder / "a.exr").write_bytes(whole[:-100])
+        self.assertNotEqual(self.run_alone(*arguments).stdout, "")
+
+    def with_shell(self, redirection, *arguments):
+        return subprocess.run(["bash", "-c", f'exec "$@" {redirection}', "bash", RAYFARM, "render", str(SCENE), "-o", str(self.folder / "a.png"),
+                               "--size", "64x48", *map(str, arguments)], capture_output=True, text=True, env=ENVIRONMENT, timeout=60)
+
+    def test_text_that_can_not_be_told_costs_no_picture(self):
+        for redirection in ("2>&-", "2>/dev/full", "2> >(head -c 1 >/dev/null)"):
+            (self.folder / "a.png").unlink(missing_ok=True)
+            done = self.with_shell(redirection)
+            self.assertEqual(done.returncode, 0, redirection)
+            self.assertEqual(done.stdout, f"{self.folder / 'a.png'}\n")
+            self.assertTrue((self.folder / "a.png").exists())
+
+    def test_names_that_can_not_be_told_are_an_error(self):
+        done = self.with_shell(">/dev/full")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("can't be printed on stdout", done.stderr)
+        self.assertTrue((self.folder / "a.png").exists())
+
+    def test_statistics_that_fail_hide_no_frame(self):
+        stats = self.folder / "stats"
+        stats.mkdir()
+        process = subprocess.Popen([RAYFARM, "render", str(SCENE), "-o", str(self.folder / "a.png"), "--size", "320x240", "--samples", "64",
+                                    "--stats", str(stats / "s.json"), "-v"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        while "tracing begins" not in process.stderr.readline():
+            self.assertIsNone(process.poll())
+        stats.rmdir()
+        stats.write_text("")  # no folder any more: nothing can be written in it
+        out, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1, err)
+        self.assertEqual(out, f"{self.folder / 'a.png'}\n")
+        self.assertIn("s.json", err)
+
+    def test_threads_that_are_refused(self):
+        # Stacks so large that the limit on address space holds a few of them.
+        reference = self.render(1, SCENE, "--size", "64x48")["image"]["sha256_pixels"]
+        stats = self.folder / "few.json"
+        done = subprocess.run(["bash", "-c", 'ulimit -s 1000000; ulimit -v 5000000; exec "$@"', "bash", RAYFARM, "render", str(SCENE), "-o",
+                               str(self.folder / "few.png"), "--size", "64x48", "--local-nodes", "8", "--stats", str(stats)],
+                              capture_output=True, text=True, env=ENVIRONMENT, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("refuses 8 threads", done.stderr)
+        self.assertEqual(json.loads(stats.read_text())["image"]["sha256_pixels"], reference)
+
+    def test_the_report_is_short_unless_asked_for(self):
+        short = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--size", "32x24", "--progress", "none").stderr
+        self.assertLessEqual(len(short.splitlines()), 10)
+        for word in ("picture", "time", "rays", "speed"):
+            self.assertIn(word, short)
+        full = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--size", "32x24", "--progress", "none", "--report", "full").stderr
+        for word in ("load_display_polygon", "subpolygons", "busy"):
+            self.assertIn(word, full)
+
+    def test_the_model_knows_the_scene_of_a_render_without_mpirun(self):
+        tables = []
+        for ranks in (1, 3):
+            stats = self.folder / f"{ranks}.json"
+            self.render(ranks, SCENE, "--size", "64x48").keys()
+            (self.folder / "stats.json").rename(stats)
+            model = json.loads(self.run_alone("model", "--stats", stats, "--processors", "8", "--format", "json").stdout)
+            tables.append(json.dumps(model))
+            self.assertGreater(json.loads(stats.read_text())["scene"]["bytes"], 10000)
+        data = [re.search(r'"data_s": ([0-9.e-]+)', table).group(1) for table in tables]
+        self.assertAlmostEqual(float(data[0]) / float(data[1]), 1, delta=0.01)
+        self.assertGreater(float(data[0]), 0)
+
+    def test_black_pictures_say_why(self):
+        result = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--size", "32x24", "--lighting", "whitted", "-q")
+        self.assertNotIn("black", result.stderr)
+        away = self.write("away.yaml", "view: {location: [0, 0, 5], direction: [0, 0, 1]}\nlights: [{position: [0, 9, 9], color: 1}]\n"
+                                       "scene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n")
+        result = self.run_alone("render", away, "-o", self.folder / "a.png", "--size", "32x24", "--progress", "none")
+        self.assertEqual(result.code, 0, result.stderr)
+        self.assertIn("the camera sees nothing", result.stderr)
+        dark = self.write("dark.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nambient: 0\nlights: []\n"
+                                       "scene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n")
+        result = self.run_alone("render", dark, "-o", self.folder / "a.png", "--size", "32x24", "--progress", "none")
+        self.assertIn("every pixel is black", result.stderr)
 
     def test_results_on_stdout(self):
         result = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--size", "32x24")
@@ -174,7 +334,7 @@ class Commands(JobTest):
     def test_check_lists_files_outside_of_the_scenes_folder(self):
         (self.folder / "scenes").mkdir()
         obj = self.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-        scene = self.write("scenes/s.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene:\n  - mesh: {file: ../tri.obj}\n")
+        scene = self.write("scenes/s.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nlights: [{position: [0, 0, 9]}]\nscene:\n  - mesh: {file: ../tri.obj}\n")
         result = self.run_alone("check", scene)
         self.assertEqual(result.code, 0, result.stderr)
         self.assertIn("outside of the scene's folder:\n", result.stderr)

@@ -138,10 +138,101 @@ TEST(OnDemand, ALostNodeMayReturn) {
   EXPECT_TRUE(player.is_whole(1));
 }
 
-TEST(OnDemand, AllNodesLostIsTold) {
+TEST(OnDemand, AllNodesLostIsToldWhenNoneReturns) {
   Player player(make_options(AssignmentPolicy::on_demand, 2));
   player.tick(100);
+  EXPECT_EQ(player.machine.nodes_alive(), 0);
+  EXPECT_FALSE(player.all_lost) << "they may only have been stopped";
+  player.tick(100 + liveness::kAllSilent_s - 1);
+  EXPECT_FALSE(player.all_lost);
+  player.tick(100 + liveness::kAllSilent_s + 1);
   EXPECT_TRUE(player.all_lost);
+}
+
+TEST(OnDemand, OneOfAllSilentNodesReturnsAndDoesTheWork) {
+  Player player(make_options(AssignmentPolicy::on_demand, 2));
+  player.tick(100);
+  player.machine.hear(2, 110);
+  player.read();
+  double now = 110;
+  while (player.complete.empty()) {
+    player.step(2, now);
+    player.machine.hear(2, now);
+    player.tick(now);
+    now += 0.01;
+    ASSERT_LT(now, 130);
+  }
+  EXPECT_TRUE(player.is_whole(1));
+  EXPECT_FALSE(player.all_lost);
+}
+
+TEST(OnDemand, AnExpelledNodeStaysOut) {
+  Player player(make_options(AssignmentPolicy::on_demand, 2));
+  const AssignSubpolygon held = player.queues[2].front();
+  player.machine.expel(2, 0);
+  player.read();
+  EXPECT_EQ(player.lost, std::vector<int>{2});
+  player.queues[2].clear();
+  player.machine.hear(2, 1);
+  EXPECT_FALSE(player.machine.accept(2, held.frame, held.subpolygon, 1)) << "what it sends is not trusted";
+  player.machine.fail(2, held.frame, held.subpolygon, "no", 1);
+  player.read();
+  EXPECT_EQ(player.returned, 0);
+  EXPECT_EQ(player.machine.nodes_alive(), 1);
+  double now = 1;
+  while (player.complete.empty()) {
+    player.machine.hear(2, now);
+    player.step(1, now);
+    player.tick(now);
+    EXPECT_TRUE(player.queues[2].empty());
+    now += 0.01;
+    ASSERT_LT(now, 20);
+  }
+  EXPECT_TRUE(player.is_whole(1));
+}
+
+TEST(OnDemand, WhenAllAreExpelledNobodyIsWaitedFor) {
+  Player player(make_options(AssignmentPolicy::on_demand, 2));
+  player.machine.expel(1, 0);
+  player.read();
+  EXPECT_FALSE(player.all_lost);
+  player.machine.expel(2, 0);
+  player.read();
+  EXPECT_TRUE(player.all_lost);
+}
+
+TEST(OnDemand, ALostNodeThatFailsIsExpelled) {
+  Player player(make_options(AssignmentPolicy::on_demand, 1));
+  player.tick(100);
+  EXPECT_FALSE(player.all_lost);
+  player.machine.expel(1, 101);  // its process is found to be gone
+  player.read();
+  EXPECT_TRUE(player.all_lost);
+}
+
+TEST(OnDemand, FortyNodesOfWhichMostAreLost) {
+  // Node n falls silent at n/10 s, from 4 on; the work is done once and by the others.
+  constexpr int kNodes = 40;
+  AssignmentOptions options = make_options(AssignmentPolicy::on_demand, kNodes, 3);
+  options.grid = make_grid(0, 0, 256, 256, kNodes);
+  Player player(options);
+  double now = 0;
+  size_t released = 0;
+  while (!player.machine.is_over()) {
+    for (int node = 1; node <= kNodes; ++node) {
+      if (node > 4 && now > 0.1 * node) continue;
+      player.machine.hear(node, now);
+      if (static_cast<int>(now * 20) % 5 == node % 5) player.step(node, now);
+    }
+    player.tick(now);
+    for (; released < player.complete.size(); ++released)
+      player.machine.release(player.complete[released], now);
+    player.read();
+    now += 0.05;
+    ASSERT_LT(now, 3000);
+  }
+  EXPECT_TRUE(player.is_whole(3));
+  EXPECT_EQ(player.lost.size(), static_cast<size_t>(kNodes) - 4);
 }
 
 TEST(OnDemand, FailureIsTriedElsewhereAndThreeFailTheFrame) {

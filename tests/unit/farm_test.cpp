@@ -1,6 +1,7 @@
 // Host and nodes as threads, with tracers that misbehave.
 #include <thread>
 
+#include "common/scene/settings_codec.h"
 #include "host/farm_host.h"
 #include "host/output_pattern.h"
 #include "node/node.h"
@@ -37,20 +38,39 @@ struct FarmRun {
   std::filesystem::path folder;
 };
 
+using RunNode = std::function<void(Transport& transport, int node)>;
+
+RunNode painting_nodes(std::function<bool(int, const DisplayPolygon&)> fails) {
+  return [fails](Transport& transport, int node) {
+    run_node(
+        transport, node, [](const ProcessSign&) { return std::span<const std::byte>(); },
+        [&fails](const JobPlan&, std::span<const std::byte>) {
+          return std::make_unique<PaintingTracer>(fails);
+        });
+  };
+}
+
+bool never(int, const DisplayPolygon&) {
+  return false;
+}
+
+/// A node that can't load.
+void run_failing_node(Transport& transport, int node) {
+  run_node(
+      transport, node, [](const ProcessSign&) { return std::span<const std::byte>(); },
+      [](const JobPlan&, std::span<const std::byte>) -> std::unique_ptr<SubpolygonTracer> {
+        throw std::runtime_error("no room");
+      });
+}
+
 FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wire wire,
-                 std::function<bool(int, const DisplayPolygon&)> fails) {
+                 const RunNode& run_one_node, const Bytes& settings = {}) {
   FarmRun run;
   run.folder = std::filesystem::path(test::write_temporary("farm-marker", "")).parent_path();
   const auto ends = make_local_transports(nodes);
   std::vector<std::thread> threads;
   for (int i = 1; i <= nodes; ++i)
-    threads.emplace_back([&ends, &fails, i] {
-      run_node(
-          *ends[static_cast<size_t>(i)], i, [] { return std::span<const std::byte>(); },
-          [&fails](const JobPlan&, std::span<const std::byte>) {
-            return std::make_unique<PaintingTracer>(fails);
-          });
-    });
+    threads.emplace_back([&ends, &run_one_node, i] { run_one_node(*ends[static_cast<size_t>(i)], i); });
   FarmHostOptions options;
   options.plan.build = build_identity();
   options.plan.frames = frames;
@@ -58,6 +78,7 @@ FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wi
   options.plan.wire = wire;
   options.plan.processors = nodes;
   options.plan.grid = make_grid(0, 0, 40, 30, nodes);
+  options.plan.settings = settings;
   options.image = {40, 30, {0, 0, 40, 30}, PixelFormat::rgb8, {}};
   options.progress = ProgressStyle::none;
   for (const int frame : frames)
@@ -79,7 +100,7 @@ FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wi
 TEST(Farm, EveryPolicyAndWireAssemblesThePicture) {
   for (const auto policy : {AssignmentPolicy::on_demand, AssignmentPolicy::interleaved})
     for (const auto wire : {Wire::block, Wire::pixel}) {
-      const FarmRun run = run_farm(3, {4, 9}, policy, wire, [](int, const DisplayPolygon&) { return false; });
+      const FarmRun run = run_farm(3, {4, 9}, policy, wire, painting_nodes(never));
       EXPECT_EQ(run.result.frames_failed(), 0u);
       const std::vector<float> pixels = test::read_pixels(run.result.frames[1].file);
       for (size_t y = 0; y < 30; ++y)
@@ -92,11 +113,36 @@ TEST(Farm, EveryPolicyAndWireAssemblesThePicture) {
     }
 }
 
+TEST(Farm, NodesOfOneProcessRenderAScene) {
+  // As a render without mpirun has it: threads that share the scene's block.
+  const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/animation.yaml"));
+  const auto frame_hash = [&](int nodes) {
+    RenderSettings settings;
+    settings.width_px = 40;
+    settings.height_px = 30;
+    settings.crop = {0, 0, 40, 30};
+    settings.pixel_format = PixelFormat::rgb8;
+    const FarmRun run = run_farm(
+        nodes, {1, 2, 3}, AssignmentPolicy::on_demand, Wire::block,
+        [&](Transport& transport, int node) {
+          run_node(
+              transport, node, [&](const ProcessSign&) { return compiled.block.bytes(); }, make_scene_tracer);
+        },
+        encode_settings(settings));
+    EXPECT_EQ(run.result.frames_failed(), 0u);
+    EXPECT_TRUE(run.result.frames[2].sees_anything);
+    EXPECT_EQ(run.result.frames[2].not_finite, 0u);
+    return run.result.frames[2].sha256;
+  };
+  EXPECT_EQ(frame_hash(1), frame_hash(5));
+}
+
 TEST(Farm, AnErrorThatGoesAwayIsRetried) {
   std::atomic<int> failures{2};
-  const FarmRun run =
-      run_farm(2, {1}, AssignmentPolicy::on_demand, Wire::block,
-               [&](int, const DisplayPolygon& p) { return p.left == 0 && p.top == 0 && failures-- > 0; });
+  const FarmRun run = run_farm(2, {1}, AssignmentPolicy::on_demand, Wire::block,
+                               painting_nodes([&](int, const DisplayPolygon& p) {
+                                 return p.left == 0 && p.top == 0 && failures-- > 0;
+                               }));
   EXPECT_EQ(run.result.frames_failed(), 0u);
   EXPECT_EQ(run.told.size(), 2u);
   EXPECT_TRUE(run.result.frames[0].is_written);
@@ -106,14 +152,85 @@ TEST(Farm, ThreeErrorsFailTheFrameWithTheMessageAndNotTheNext) {
   for (const auto policy : {AssignmentPolicy::on_demand, AssignmentPolicy::interleaved}) {
     std::filesystem::remove(std::filesystem::path(test::write_temporary("farm-marker", "")).parent_path() /
                             "f1.png");
-    const FarmRun run = run_farm(2, {1, 2}, policy, Wire::block, [&](int frame, const DisplayPolygon& p) {
-      return frame == 1 && p.left == 0 && p.top == 0;
-    });
+    const FarmRun run =
+        run_farm(2, {1, 2}, policy, Wire::block, painting_nodes([](int frame, const DisplayPolygon& p) {
+                   return frame == 1 && p.left == 0 && p.top == 0;
+                 }));
     EXPECT_EQ(run.result.frames_failed(), 1u);
     EXPECT_NE(run.result.frames[0].problem.find("the tracer's own error"), std::string::npos);
     EXPECT_FALSE(std::filesystem::exists(run.result.frames[0].file));
     EXPECT_TRUE(run.result.frames[1].is_written);
   }
+}
+
+TEST(Farm, ANodeThatCanNotLoadIsExpelledAndTheOthersDoTheWork) {
+  for (const auto policy : {AssignmentPolicy::on_demand, AssignmentPolicy::interleaved}) {
+    const FarmRun run = run_farm(3, {1, 2}, policy, Wire::block, [](Transport& transport, int node) {
+      node == 2 ? run_failing_node(transport, node) : painting_nodes(never)(transport, node);
+    });
+    EXPECT_EQ(run.result.frames_failed(), 0u);
+    EXPECT_TRUE(run.result.frames[1].is_written);
+    EXPECT_EQ(run.result.lost_nodes(), std::vector<int>{2});
+    EXPECT_NE(run.result.nodes[1].problem.find("no room"), std::string::npos);
+    ASSERT_EQ(run.told.size(), 1u);
+    EXPECT_NE(run.told[0].find("could not load the scene: no room"), std::string::npos) << run.told[0];
+  }
+}
+
+TEST(Farm, WhenNoNodeCanLoadTheJobEndsAndSaysWhy) {
+  const FarmRun run = run_farm(3, {1}, AssignmentPolicy::on_demand, Wire::block, run_failing_node);
+  EXPECT_TRUE(run.result.lost_all_nodes);
+  EXPECT_NE(run.result.why_all_are_lost.find("no room"), std::string::npos);
+  EXPECT_FALSE(run.result.frames[0].is_written);
+}
+
+TEST(Farm, ALivingNodeThatSendsNonsenseIsExpelled) {
+  // Node 1 answers its work with bytes that mean nothing, and then with good ones, which nobody trusts any
+  // more.
+  for (const Channel channel : {Channel::command, Channel::pixels, Channel::control}) {
+    const FarmRun run =
+        run_farm(3, {1, 2}, AssignmentPolicy::on_demand, Wire::block, [&](Transport& transport, int node) {
+          if (node != 1) {
+            painting_nodes(never)(transport, node);
+            return;
+          }
+          transport.send(kHost, channel, Bytes(7, std::byte{0xfe}));
+          Backoff backoff;
+          for (bool is_over = false; !is_over; backoff.wait())
+            while (const auto message = transport.try_receive()) {
+              is_over |= message->channel == Channel::control &&
+                         std::holds_alternative<Finish>(decode_control(message->bytes));
+              transport.send(kHost, Alive{});
+            }
+        });
+    EXPECT_EQ(run.result.frames_failed(), 0u);
+    EXPECT_TRUE(run.result.frames[0].is_written && run.result.frames[1].is_written);
+    EXPECT_EQ(run.result.lost_nodes(), std::vector<int>{1});
+    EXPECT_EQ(run.result.nodes[0].subpolygons, 0u);
+    ASSERT_FALSE(run.told.empty());
+    EXPECT_NE(run.told[0].find("can't be understood"), std::string::npos) << run.told[0];
+  }
+}
+
+TEST(FrameWriter, WritesAllThatIsQueuedBeforeItEnds) {
+  const auto folder = std::filesystem::path(test::write_temporary("writer-marker", "")).parent_path();
+  Image image{64, 64, {0, 0, 64, 64}, PixelFormat::rgb8, std::vector<std::byte>(3 * 64 * 64)};
+  std::vector<std::filesystem::path> files;
+  FrameWriter writer;
+  for (int i = 0; i < 20; ++i) {
+    files.push_back(folder / fmt::format("queued{}.png", i));
+    std::filesystem::remove(files.back());
+    writer.submit({i, files.back().string(), image, {}});
+  }
+  writer.finish();
+  int taken = 0;
+  while (const auto written = writer.try_take()) {
+    EXPECT_EQ(written->problem, "");
+    EXPECT_TRUE(written->is_black);
+    ++taken;
+  }
+  EXPECT_EQ(taken, 20);
+  for (const auto& file : files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
 }
 
 TEST(Frames, AreParsedAndNamed) {

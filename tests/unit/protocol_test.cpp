@@ -129,7 +129,24 @@ TEST(Grid, CoversEveryPixelOnce) {
   }
   const SubpolygonGrid large = make_grid(0, 0, 4096, 4096, 16);
   EXPECT_NEAR(large.count(), 64 * 16, 64 * 2);
-  EXPECT_EQ(make_grid(0, 0, 65536, 65536, 1).polygon(63).right, 65535);
+  const SubpolygonGrid largest = make_grid(0, 0, 65536, 65536, 1);
+  EXPECT_EQ(largest.polygon(largest.count() - 1).right, 65535);
+}
+
+TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {
+  for (const auto& [width, height, per_processor] :
+       {std::tuple{65536, 65536, 64}, std::tuple{16384, 16384, 2}, std::tuple{65536, 1, 1},
+        std::tuple{9, 65536, 1}}) {
+    for (const size_t pixel_bytes : {3, 12}) {
+      const size_t most = kMostSubpolygonBytes / pixel_bytes;
+      const SubpolygonGrid grid = make_grid(0, 0, width, height, 1, per_processor, kLeastSide_px, most);
+      for (int s = 0; s < grid.count(); s += 7) {
+        const DisplayPolygon p = grid.polygon(s);
+        EXPECT_LE(size_t(p.right - p.left + 1) * size_t(p.bottom - p.top + 1), most);
+      }
+    }
+  }
+  EXPECT_EQ(make_grid(0, 0, 640, 480, 2).count(), make_grid(0, 0, 640, 480, 2, 64, 8, 1 << 20).count());
 }
 
 TEST(Interleaved, EvenSpreadAndRotating) {

@@ -1,0 +1,80 @@
+#include "protocol/liveness.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "protocol/build_identity.h"
+#include "protocol/clock.h"
+
+namespace rayfarm {
+namespace {
+
+/// True if the process runs this program; one that ended but was not yet reaped runs none.
+bool runs_this_program(uint32_t pid) {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", error);
+  return !error && program == std::filesystem::read_symlink("/proc/self/exe", error) && !error;
+}
+
+}  // namespace
+
+double ListeningClock::turn(double now_s) {
+  if (last_s_ >= 0) listened_s_ += std::clamp(now_s - last_s_, 0.0, kLongestTurn_s);
+  last_s_ = now_s;
+  return listened_s_;
+}
+
+ProcessSign::ProcessSign(std::string machine, uint32_t pid)
+    : machine_(std::move(machine)),
+      pid_(pid),
+      was_seen_(machine_ == machine_name() && runs_this_program(pid)) {}
+
+bool ProcessSign::is_gone() const {
+  return was_seen_ && !runs_this_program(pid_);
+}
+
+std::function<std::string()> make_witness(std::vector<std::pair<std::string, ProcessSign>> watched,
+                                          double grace_s) {
+  std::vector<double> gone_since(watched.size());  // 0: not gone
+  return [watched = std::move(watched), since = std::move(gone_since), grace_s]() mutable {
+    for (size_t i = 0; i < watched.size(); ++i) {
+      const auto& [name, sign] = watched[i];
+      if (!sign.is_gone()) continue;
+      if (since[i] == 0) since[i] = now_s();
+      if (now_s() - since[i] >= grace_s)
+        return fmt::format("{} (process {} on {}) was lost while loading; the job ends", name, sign.pid(),
+                           sign.machine());
+    }
+    return std::string();
+  };
+}
+
+Heart::Heart(Transport& transport) : transport_(transport), thread_([this] { beat_on(); }) {}
+
+Heart::~Heart() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void Heart::beat_on() {
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, std::chrono::duration<double>(liveness::kBeat_s),
+                            [this] { return is_ending_; })) {
+    lock.unlock();  // sending may wait for another thread's use of the net
+    if (transport_.is_host()) {
+      for (int node = 1; node <= transport_.node_count(); ++node) transport_.send(node, Alive{});
+    } else {
+      transport_.send(kHost, Alive{});
+    }
+    lock.lock();
+  }
+}
+
+}  // namespace rayfarm
