@@ -1,0 +1,298 @@
+#include "tests/fuzz/targets.h"
+
+#include <zstd.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "common/image/image_file.h"
+#include "common/lighting/renderer.h"
+#include "common/scene/compile.h"
+#include "common/scene/ies_loader.h"
+#include "common/scene/settings_codec.h"
+#include "protocol/block_codec.h"
+#include "protocol/job_plan.h"
+
+namespace rayfarm::fuzz {
+namespace {
+
+std::string read_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::string text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+/// A few pixels, in as many ways as the time allows.
+void render(const Scene& scene, int frame) {
+  for (const LightingModel model : {LightingModel::whitted, LightingModel::path}) {
+    RenderSettings settings;
+    settings.width_px = 4;
+    settings.height_px = 3;
+    settings.crop = {0, 0, 4, 3};
+    settings.lighting = model;
+    settings.max_depth = 3;
+    Renderer renderer(scene, settings);
+    renderer.render(frame, settings.crop, [] {});
+  }
+}
+
+void render_file(const std::string& path) {
+  const SceneDescription scene = load_scene(path);
+  const CompiledScene compiled = compile(scene);
+  if (compiled.block.size < 1 << 22) render(compiled.scene, scene.frames ? (*scene.frames)[0] : 0);
+}
+
+struct Folder {
+  std::string path;
+  std::string write(const std::string& name, const std::string& bytes) const {
+    const std::string file = (std::filesystem::path(path) / name).string();
+    std::ofstream(file, std::ios::binary) << bytes;
+    return file;
+  }
+};
+
+std::vector<std::string> scene_seeds(const char* extension) {
+  std::vector<std::string> seeds;
+  for (const auto& entry : std::filesystem::directory_iterator(RAYFARM_SOURCE "/scenes"))
+    if (entry.path().extension() == extension && entry.file_size() < 20'000)
+      seeds.push_back(read_file(entry.path()));
+  std::sort(seeds.begin(), seeds.end());
+  return seeds;
+}
+
+constexpr const char* kObj =
+    "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 1\nusemtl a\ns 1\n"
+    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\ng x\no y\nf 1//1 2//1 3//1\n";
+constexpr const char* kMtl =
+    "newmtl a\nKd 1 .5 0\nKs .2 .2 .2\nNs 20\nillum 3\nd 0.5\nNi 1.5\nmap_Kd -o 0.1 0 -s 2 2 t.png\nKe 0 0 "
+    "0\n";
+constexpr const char* kYamlMesh =
+    "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{mesh: {file: a.obj, smooth: phong}}]\n";
+constexpr const char* kNff =
+    "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 8 8\nb 0.1 0.2 0.3\nl 3 4 5\n"
+    "f 1 0.5 0.2 0.8 0.3 20 0 1\np 4\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\ns 0 0 1 0.5\nc\n0 0 0 1\n0 0 1 0.2\n"
+    "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
+constexpr const char* kIes =
+    "IESNA:LM-63-2002\n[TEST] x\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n100 50 0\n";
+
+Bytes zeros(size_t n) {
+  return Bytes(n);
+}
+
+std::vector<std::string> message_seeds() {
+  SubpolygonReport report{3, 7, {1, 2, 3, 4, 5}, 1000, true, 2};
+  std::vector<std::string> seeds;
+  for (const Control& c :
+       {Control(Hello{"machine", 7, "build"}), Control(Alive{}), Control(SelectFrame{3}),
+        Control(OpenWindow{4}), Control(SubpolygonDone{report}), Control(SubpolygonFailed{1, 2, "no"}),
+        Control(NodeFailed{"no"}), Control(EndProcess{9}), Control(Finish{true})})
+    seeds.push_back(text_of(encode_control(c)));
+  seeds.push_back(text_of(encode_display_polygon(3, {0, 0, 7, 7})));
+  const Bytes pixels = compress_rgb8(zeros(3 * 8 * 8), 8, 8);
+  seeds.push_back(text_of(encode_block(3, {report, true, pixels})));
+  Bytes load;
+  const Bytes payload(128, std::byte{9});
+  encode_load_data({64, payload}, load);
+  seeds.push_back(text_of(load));
+  seeds.push_back(text_of(encode_load_code(zeros(16))));
+  ByteWriter pixel;
+  append_pixel(1, {2, 3, {4, 5, 6}}, pixel);
+  seeds.push_back(text_of(pixel.take()));
+  return seeds;
+}
+
+/// Every decoder of messages: any of them may meet any bytes.
+void decode_messages(const std::string& text) {
+  const auto bytes = bytes_of(text);
+  const auto try_all = [&](auto... decoders) {
+    const auto one = [&](auto decode) {
+      try {
+        decode();
+      } catch (const ProtocolError&) {
+      }
+    };
+    (one(decoders), ...);
+  };
+  try_all([&] { decode_control(bytes); }, [&] { decode_display_polygon(bytes); },
+          [&] { decode_load_data(bytes); }, [&] { decode_load_code(bytes); }, [&] { command_of(bytes); },
+          [&] {
+            ByteReader reader(bytes);
+            while (!reader.at_end()) read_pixel(reader);
+          },
+          [&] {
+            const BlockResult block = decode_block(bytes);
+            if (block.is_compressed) decompress_rgb8(block.pixels, 8, 8);
+          });
+}
+
+/// A megabyte of zeros and more in a few hundred bytes.
+std::string zstd_bomb() {
+  const std::string much(8 << 20, '\0');
+  std::string bomb(ZSTD_compressBound(much.size()), '\0');
+  bomb.resize(ZSTD_compress(bomb.data(), bomb.size(), much.data(), much.size(), 1));
+  return bomb;
+}
+
+std::vector<std::string> image_seeds(const Folder& folder) {
+  std::vector<std::string> seeds;
+  const Image image{5, 4, {0, 0, 5, 4}, PixelFormat::rgb8, zeros(3 * 5 * 4)};
+  for (const char* name : {"seed.png", "seed.exr"}) {
+    write_image(folder.path + "/" + name, image, {{"rayfarm/frame", "1"}});
+    seeds.push_back(name[5] + read_file(folder.path + "/" + name));
+  }
+  seeds.push_back("h#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n0123456789abcdef");
+  return seeds;
+}
+
+/// The first byte names the format.
+void read_images(const Folder& folder, const std::string& bytes) {
+  if (bytes.empty()) return;
+  const char kind = bytes[0];
+  const std::string path = folder.write(kind == 'e'   ? "in.exr"
+                                        : kind == 'h' ? "in.hdr"
+                                                      : "in.png",
+                                        bytes.substr(1));
+  if (kind != 'h') {
+    try {
+      read_image_info(path);
+      check_image_whole(path);
+    } catch (const IoError&) {
+    }
+  }
+  ImageReader reader(path, 1 << 20);
+  for (int y = 0; y < reader.height_px(); ++y) reader.next_row();
+}
+
+SceneBlock block_of(const std::string& bytes) {
+  SceneBlock block;
+  block.size = bytes.size();
+  block.data.reset(static_cast<std::byte*>(std::aligned_alloc(64, (bytes.size() + 64) / 64 * 64)));
+  std::memcpy(block.data.get(), bytes.data(), bytes.size());
+  return block;
+}
+
+std::vector<std::string> block_seeds() {
+  std::vector<std::string> seeds;
+  for (const char* name : {"primitives", "animation", "materials"}) {
+    const CompiledScene compiled =
+        compile(load_scene(std::string(RAYFARM_SOURCE "/scenes/") + name + ".yaml"));
+    if (compiled.block.size < 1 << 18) seeds.push_back(text_of(compiled.block.bytes()));
+  }
+  return seeds;
+}
+
+JobPlan make_plan() {
+  JobPlan plan;
+  plan.build = "build";
+  plan.frames = {1, 2, 3};
+  plan.grid = make_grid(0, 0, 64, 48, 2);
+  plan.time_factors = {1, 2};
+  plan.settings = zeros(20);
+  return plan;
+}
+
+}  // namespace
+
+std::vector<Target> make_targets(const std::string& path) {
+  const Folder folder{path};
+  // Textures that scenes name are not there, but one.
+  write_image(path + "/t.png", {2, 2, {0, 0, 2, 2}, PixelFormat::rgb8, zeros(12)}, {});
+  folder.write("a.mtl", kMtl);
+  folder.write("a.obj", kObj);
+  return {
+      {"yaml",
+       [folder](const std::string& bytes) { render_file(folder.write("in.yaml", bytes)); },
+       scene_seeds(".yaml"),
+       {"[",
+        "]",
+        "{",
+        "}",
+        ": ",
+        ", ",
+        "\n",
+        "- ",
+        "&a ",
+        "*a",
+        "1e308",
+        "-1",
+        ".nan",
+        "0",
+        "~",
+        "\"",
+        "  ",
+        "use: ",
+        "transform: ",
+        "mesh: {file: a.obj}",
+        "image: t.png",
+        "1e-300",
+        "99999999999"}},
+      {"nff",
+       [folder](const std::string& bytes) { render_file(folder.write("in.nff", bytes)); },
+       {kNff},
+       {"p 3\n", "s ", "c\n", "f ", "l ", " nan ", " inf ", " 1e308 ", " -1 ", "\n", "p 99999999\n", "pp 3\n",
+        "#"}},
+      {"obj",
+       [folder](const std::string& bytes) {
+         folder.write("a.mtl", kMtl);
+         folder.write("a.obj", bytes);
+         render_file(folder.write("obj.yaml", kYamlMesh));
+       },
+       {kObj},
+       {"f ", "v ", "vn ", "vt ", "/", "//", "-1", "99999999999", "\n", "\\\n", "usemtl b\n", "nan", "1e39",
+        "+1", "mtllib a.mtl\n", "f 1 2 3 4 3 2 1\n", "l 1 2\n"}},
+      {"mtl",
+       [folder](const std::string& bytes) {
+         folder.write("a.obj", kObj);
+         folder.write("a.mtl", bytes);
+         render_file(folder.write("mtl.yaml", kYamlMesh));
+       },
+       {kMtl},
+       {"newmtl a\n", "map_Kd ", "-o ", "-s 1 ", "-bm ", "t.png\n", "nan", "Kd ", "Ns 1e39\n", "illum 99\n",
+        "\n", "Ke 9 9 9\n", "d -1\n", "Ni 0\n"}},
+      {"ies",
+       [folder](const std::string& bytes) {
+         GoniometricDiagram diagram;
+         load_ies(folder.write("in.ies", bytes), diagram);
+       },
+       {kIes},
+       {" ", "\n", "TILT=NONE\n", "TILT=INCLUDE\n", "99999999 ", "-1 ", "nan ", "1e308 ", "[X] y\n"}},
+      {"image", [folder](const std::string& bytes) { read_images(folder, bytes); }, image_seeds(folder), {}},
+      {"message", decode_messages, message_seeds(), {}},
+      {"block",
+       [](const std::string& bytes) { decompress_rgb8(bytes_of(bytes), 64, 48); },
+       {text_of(compress_rgb8(zeros(3 * 64 * 48), 64, 48)), zstd_bomb()},
+       {}},
+      {"plan",
+       [](const std::string& bytes) {
+         const JobPlan plan = decode_plan(bytes_of(bytes));
+         for (const int s : {0, plan.grid.count() - 1}) plan.grid.find(plan.grid.polygon(s));
+       },
+       {text_of(encode_plan(make_plan()))},
+       {}},
+      {"settings",
+       [](const std::string& bytes) { decode_settings(bytes_of(bytes)); },
+       {text_of(encode_settings(RenderSettings()))},
+       {}},
+      {"scene",
+       [](const std::string& bytes) {
+         const SceneBlock block = block_of(bytes);
+         render(decode_scene(block.bytes()), 0);
+       },
+       block_seeds(),
+       {},
+       true},
+  };
+}
+
+}  // namespace rayfarm::fuzz
