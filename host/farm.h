@@ -17,6 +17,8 @@ struct Farm {
   std::function<void(std::span<const std::byte> block, const std::function<void(const std::string&)>& warn,
                      const std::function<std::string()>& names_the_gone)>
       load_data;
+  /// Waits until no node needs the block any more. Only of a local farm; it is called when the job is over.
+  std::function<void()> wait_for_nodes = [] {};
 };
 
 /// How a command ended.

@@ -29,7 +29,7 @@ using Tell = std::function<void(const std::string&)>;
 
 class FarmHost {
  public:
-  /// `nodes` were heard of at the start; result.nodes grows from there.
+  /// result.nodes holds all nodes.
   FarmHost(Transport& transport, const FarmHostOptions& options, JobResult& result, Tell tell);
 
   /// Until every frame is written or has failed, all nodes are lost, or the user interrupts. Frames that are
@@ -62,14 +62,14 @@ class FarmHost {
   JobResult& result_;
   Tell tell_;
   FrameWriter writer_;
+  ListeningClock listening_;  // before the assignment, which begins by it
   Assignment assignment_;
   Progress progress_;
   std::map<int, int> index_of_frame_;
   std::vector<FrameState> frames_;
   std::vector<std::vector<PixelResult>> pixels_of_node_;  ///< pixel wire: of the subpolygon being returned
   std::vector<int> frame_of_node_;                        ///< the frame last selected at each node
-  ListeningClock listening_;
-  bool is_waiting_for_any_ = false;  ///< all nodes are lost, and it was told
+  bool is_waiting_for_any_ = false;                       ///< all nodes are lost, and it was told
   bool is_over_ = false;
 };
 

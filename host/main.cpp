@@ -59,11 +59,12 @@ int render_locally(const RenderOptions& options) {
     if (!std::exchange(is_loaded, true)) block.set_value(bytes);
   };
   Farm farm{*ends.get()[0], 1,
-            [&](std::span<const std::byte> bytes, const auto&, const auto&) { load(bytes); }};
-  const Ending ending = run_render(options, farm);
-  load({});  // whatever happened, no node waits for ever
-  for (std::thread& thread : threads) thread.join();
-  return ending.exit_code;
+            [&](std::span<const std::byte> bytes, const auto&, const auto&) { load(bytes); },
+            [&] {
+              load({});  // whatever happened, no node waits for ever
+              for (std::thread& thread : threads) thread.join();
+            }};
+  return run_render(options, farm).exit_code;
 }
 
 [[noreturn]] void render_on_mpi(const RenderOptions& options, int argc, char** argv) {

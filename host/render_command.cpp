@@ -169,6 +169,7 @@ class RenderCommand {
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
+    farm_.wait_for_nodes();  // they may still trace in the scene that ends with this object
     return ending;
   }
 

@@ -92,7 +92,15 @@ void mark_silent_nodes(Transport& transport, JobResult& result) {
   ListeningClock listening;
   Backoff backoff;
   for (; !silent.empty() && listening.turn(now_s()) < liveness::kLastWord_s; backoff.wait())
-    while (const auto message = transport.try_receive()) silent.erase(message->source);
+    while (const auto message = transport.try_receive()) {
+      if (message->channel != Channel::control) continue;
+      try {
+        // A beating heart is not enough: who does not answer would not hear that the job is over, either.
+        if (std::holds_alternative<Present>(decode_control(message->bytes))) silent.erase(message->source);
+      } catch (const ProtocolError&) {
+        // The pictures are whole: a node that sends nonsense now is as good as silent.
+      }
+    }
   for (const int node : silent) result.nodes[static_cast<size_t>(node) - 1].is_lost = true;
 }
 

@@ -45,7 +45,7 @@ class RollCall {
   double looked_s_ = 0;
 };
 
-/// Asks all nodes, listens for a few heartbeats, and marks nodes as lost of which none comes: one that was
+/// Asks all nodes, and marks those as lost that do not answer within a few heartbeats: one that was
 /// killed or hung so late that its work was done by others before its silence was long enough. The end of MPI
 /// would wait for it.
 void mark_silent_nodes(Transport& transport, JobResult& result);

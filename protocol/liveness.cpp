@@ -63,15 +63,23 @@ Heart::~Heart() {
   thread_.join();
 }
 
+void Heart::beat(int to) {
+  try {
+    transport_.send(to, Alive{});
+  } catch (const std::exception&) {
+    // Whoever is gone misses nothing, and whoever is there hears the next one.
+  }
+}
+
 void Heart::beat_on() {
   std::unique_lock lock(mutex_);
   while (!changed_.wait_for(lock, std::chrono::duration<double>(liveness::kBeat_s),
                             [this] { return is_ending_; })) {
     lock.unlock();  // sending may wait for another thread's use of the net
     if (transport_.is_host()) {
-      for (int node = 1; node <= transport_.node_count(); ++node) transport_.send(node, Alive{});
+      for (int node = 1; node <= transport_.node_count(); ++node) beat(node);
     } else {
-      transport_.send(kHost, Alive{});
+      beat(kHost);
     }
     lock.lock();
   }

@@ -97,6 +97,7 @@ class Heart {
   Heart& operator=(const Heart&) = delete;
 
  private:
+  void beat(int to);
   void beat_on();
   Transport& transport_;
   std::mutex mutex_;

@@ -125,7 +125,7 @@ struct EndProcess {  ///< host → node: end a hung process of this job on your 
 struct Finish {             ///< host → node: the job is over
   bool has_losses = false;  ///< some node is lost: ending MPI would wait for it
 };
-struct AskPresent {};  ///< host → node, at the end: answer with Present, rather than at the next heartbeat
+struct AskPresent {};  ///< host → node, at the end: answer with Present
 struct Present {};     ///< node → host
 using Control = std::variant<Hello, Alive, SelectFrame, OpenWindow, SubpolygonDone, SubpolygonFailed,
                              NodeFailed, EndProcess, Finish, AskPresent, Present>;

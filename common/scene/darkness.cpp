@@ -45,12 +45,15 @@ class Bodies {
  public:
   Bodies(const Scene& scene, std::span<const Light> lamps) : body_(lamps.size()) {
     std::iota(body_.begin(), body_.end(), 0u);
-    std::map<std::tuple<uint32_t, double, double, double>, uint32_t> at;
+    // In float, as some corners stand: a polygon tested as it is may be the cap of others.
+    std::map<std::tuple<uint32_t, float, float, float>, uint32_t> at;
     for (uint32_t i = 0; i < lamps.size(); ++i)
       for (const LuminaireTriangle& t :
            scene.luminaire_triangles.subspan(lamps[i].first_triangle, lamps[i].triangle_count))
         for (const Vec3& p : t.corners) {
-          const auto [found, is_new] = at.try_emplace({lamps[i].instance, p.x, p.y, p.z}, i);
+          const auto [found, is_new] = at.try_emplace(
+              {lamps[i].instance, static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+              i);
           if (!is_new) body_[of(i)] = of(found->second);
         }
   }
@@ -73,7 +76,7 @@ bool shines_at_something(const Scene& scene, const Lamp& lamp, double hair, cons
   if (glm::dot(front.n, viewer) > front.d) return true;  // the camera looks at it
   if (find_in_region(scene, std::span(&front, 1), patience) != Presence::none) return true;
   const HalfSpace back{-lamp.normal, -lamp.d + gap};
-  return find_in_region(scene, std::span(&back, 1), patience) == Presence::none;  // there is nothing else
+  return find_in_region(scene, std::span(&back, 1), patience) != Presence::certain;  // there is nothing else
 }
 
 /// Where the camera's rays go.

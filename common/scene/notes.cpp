@@ -1,16 +1,15 @@
 #include "common/scene/notes.h"
 
-#include <algorithm>
-
 namespace rayfarm {
 
 void Notes::add(const SourcePlace& place, std::string_view text) {
   std::string line = fmt::format("{}: {}", to_string(place), text);
-  if (std::find(lines_.begin(), lines_.end(), line) == lines_.end()) lines_.push_back(std::move(line));
+  if (known_.insert(line).second) lines_.push_back(std::move(line));
 }
 
 void Notes::add(const Notes& others) {
-  lines_.insert(lines_.end(), others.lines_.begin(), others.lines_.end());
+  for (const std::string& line : others.lines_)
+    if (known_.insert(line).second) lines_.push_back(line);
 }
 
 }  // namespace rayfarm

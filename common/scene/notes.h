@@ -3,6 +3,7 @@
 // can't shine, what is left out. Loaders and the compiler fill it; every command that reads a scene prints
 // it.
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 #include "common/scene/input_error.h"
@@ -19,6 +20,7 @@ class Notes {
 
  private:
   std::vector<std::string> lines_;
+  std::unordered_set<std::string> known_;
 };
 
 }  // namespace rayfarm

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 namespace rayfarm {
@@ -73,7 +74,9 @@ void ObjRecords::read_record() {
 /// are.
 size_t ObjRecords::read_numbers(size_t least) {
   size_t count = 0;
-  for (; count < least || records_.has_number(); ++count) records_.number();
+  for (; count < least || records_.has_number(); ++count)
+    if (!std::isfinite(static_cast<float>(records_.number())))
+      records_.fail("the number is beyond what a mesh holds (3.4e38)");
   return count;
 }
 
@@ -83,7 +86,7 @@ void ObjRecords::read_face() {
     if (const std::string_view word = records_.word(); !is_corner(word))
       records_.fail(fmt::format("expected a corner like 1, 1/2, 1//3 or 1/2/3, counted from 1, found '{}'",
                                 word.substr(0, 40)));
-  ++counts_.faces;
+  if (corners > 0) ++counts_.faces;  // without corners the library knows of no face
   counts_.corners += corners;
   if (corners < 3) count_unused("a face of fewer than three corners");
 }
@@ -104,6 +107,7 @@ void ObjRecords::use_material(std::string_view name) {
 /// One file, whose name may have spaces, or several.
 void ObjRecords::read_libraries() {
   const std::string all(records_.rest());
+  if (all.empty()) return;
   const SourcePlace place = records_.place();
   const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
   std::error_code ignored;

@@ -54,9 +54,11 @@ struct RenderSettings {
 
   template <typename Archive>
   void serialize(Archive& archive) {
+    auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
     archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples,
-            adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast,
-            diffuse_jitter, seed, pixel_format);
+            adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, jitter,
+            seed, pixel_format);
+    diffuse_jitter = jitter != 0;
   }
 };
 

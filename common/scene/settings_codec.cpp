@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cereal/archives/portable_binary.hpp>
+#include <cmath>
 #include <sstream>
 
 namespace rayfarm {
@@ -17,7 +18,9 @@ void check_settings(const RenderSettings& settings) {
       settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral20 ||
       settings.pixel_format > PixelFormat::float32)
     throw SettingsError("a choice among the settings does not exist");
-  if (settings.samples < 1 || settings.max_depth < 1 || !(settings.min_weight >= 0) ||
+  if (settings.samples < 1 || settings.diffuse_rays < 1 || settings.max_depth > 1000 ||
+      !std::isfinite(settings.shutter) || !std::isfinite(settings.diffuse_reach) ||
+      !std::isfinite(settings.diffuse_contrast) || settings.max_depth < 1 || !(settings.min_weight >= 0) ||
       !(settings.shutter >= 0) || !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
       !(settings.diffuse_contrast >= 0))
     throw SettingsError("a number among the settings is out of range");
@@ -41,9 +44,9 @@ std::vector<std::byte> encode_settings(const RenderSettings& settings) {
 
 RenderSettings decode_settings(std::span<const std::byte> bytes) {
   std::istringstream in(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-  cereal::PortableBinaryInputArchive archive(in);
   RenderSettings settings;
   try {
+    cereal::PortableBinaryInputArchive archive(in);  // reads a byte, too
     archive(settings);
   } catch (const cereal::Exception& e) {
     throw SettingsError(fmt::format("the settings can't be read ({})", e.what()));

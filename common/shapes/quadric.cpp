@@ -47,18 +47,18 @@ double exact_value(const Quadric& q, const Vec3& p) {
   return (x * gx + y * gy + z * gz + q.c).high;
 }
 
-/// A root of the ray's equation, as close to the surface as rounding_bound() promises; none if the ray passes
-/// the surface by. Where a surface is long and thin the terms are far larger than their sum, and the root
-/// needs more digits.
-std::optional<double> refined(const Quadric& q, const Vec3& origin, const Vec3& direction, double t) {
+/// Moves a root of the ray's equation as close to the surface as rounding_bound() promises; false if the ray
+/// passes the surface by. Where a surface is long and thin the terms are far larger than their sum, and the
+/// root needs more digits. Rarely called: kept out of the loop that asks for it.
+[[gnu::noinline]] bool refine(const Quadric& q, const Vec3& origin, const Vec3& direction, double& t) {
   constexpr double kTolerance = 0x1p-46;  // half of rounding_bound's
   constexpr int kMostSteps = 4;
   for (int step = 0;; ++step) {
     const Vec3 p = origin + t * direction, gradient = q.gradient(p);
     const double off = exact_value(q, p);
     const double tolerance = 2 * kTolerance * std::max(max_magnitude(p), max_magnitude(origin));
-    if (off * off <= tolerance * tolerance * glm::dot(gradient, gradient)) return t;
-    if (step == kMostSteps) return std::nullopt;
+    if (off * off <= tolerance * tolerance * glm::dot(gradient, gradient)) return true;
+    if (step == kMostSteps) return false;
     // The same equation about p; where rounding alone made it a hit, the place where the ray comes closest.
     const double a = glm::dot(direction, q.multiply(direction)), b = glm::dot(gradient, direction);
     const double discriminant = b * b - a * off;
@@ -128,32 +128,24 @@ std::optional<double> intersect(const Quadric& quadric, std::span<const Vec4> pl
   const double c = glm::dot(o, quadric.multiply(o)) + 2 * glm::dot(quadric.b, o) + quadric.c;
   double roots[2], discriminant;
   const int count = solve(a, b, c, roots, discriminant);
-  // `slack` is a length.
-  const double speed = max_magnitude(direction);
-  const auto is_kept = [&](double t, double slack) {
-    if (!(t * speed > -slack && (t - t_max) * speed <= slack)) return false;
+  const auto is_kept = [&](double t) {
+    if (!(t > 0 && t <= t_max)) return false;
     const Vec3 p = origin + t * direction;
-    for (const Vec4& plane : planes)
-      if (!(glm::dot(Vec3(plane), p) <= plane.w + slack * max_magnitude(Vec3(plane)))) return false;
-    return true;
+    bool is_inside = true;
+    for (const Vec4& plane : planes) is_inside = is_inside && glm::dot(Vec3(plane), p) <= plane.w;
+    return is_inside;
   };
-  constexpr double kSlack = 1e-4;  // most roots lie farther outside; only the others need all their digits
-  constexpr double kMostTerms = 8;
   for (int i = 0; i < count; ++i) {
     double t = middle + roots[i];
-    const double magnitude = max_magnitude(origin) + std::abs(t) * speed;
-    if (!is_kept(t, kSlack * magnitude)) continue;
-    // The gradient is no shorter than the discriminant tells, so a root is not farther off than the terms'
-    // rounding over it.
+    if (!is_kept(t)) continue;
+    // The gradient is no shorter than the discriminant tells, so the hit is no farther off the surface than
+    // the terms' rounding over it.
+    constexpr double kMostTerms = 8;
     const double terms =
         quadric.square_bound * (glm::dot(o, o) + roots[i] * roots[i] * direction2) + quadric.rest_bound;
-    const double most = kMostTerms * magnitude;
-    if (!(terms * terms * direction2 <= most * most * discriminant)) {
-      const std::optional<double> better = refined(quadric, origin, direction, t);
-      if (!better) continue;
-      t = *better;
-    }
-    if (is_kept(t, 0)) return t;
+    const double most = kMostTerms * (max_magnitude(origin) + t * max_magnitude(direction));
+    if (terms * terms * direction2 <= most * most * discriminant) return t;
+    if (refine(quadric, origin, direction, t) && is_kept(t)) return t;
   }
   return std::nullopt;
 }

@@ -1,3 +1,4 @@
+#include "common/math/double_double.h"
 #include "common/shapes/polygon.h"
 #include "common/shapes/quadric.h"
 #include "tests/unit/test_scene.h"
@@ -85,6 +86,16 @@ TEST(Quadric, SmallAndFarKeepsItsDigits) {
   EXPECT_NEAR(*t, 999.99, 1e-11);
 }
 
+TEST(DoubleDouble, KeepsWhatDoublesLose) {
+  const double tiny = std::ldexp(1.0, -60);
+  EXPECT_EQ((DoubleDouble::sum(1, tiny) + -1.0).high, tiny);
+  // (1 + t)(1 - t) = 1 - t².
+  EXPECT_EQ(
+      (DoubleDouble::sum(1, std::ldexp(1.0, -40)) * DoubleDouble::sum(1, -std::ldexp(1.0, -40)) + -1.0).high,
+      -std::ldexp(1.0, -80));
+  EXPECT_EQ((DoubleDouble(3) * (1.0 / 3) + -1.0).high, std::fma(3, 1.0 / 3, -1));
+}
+
 TEST(Quadric, LongAndThinKeepsItsDigits) {
   // Whatever its clip, hits lie within half of what surfaces allow for rounding; the paraboloid x² + z² = y
   // and a cylinder, met from inside, from along them and from beside.
@@ -116,19 +127,20 @@ TEST(Quadric, LongAndThinKeepsItsDigits) {
         if (!t) continue;
         ++found;
         const Vec3 hit = from + *t * direction;
-        const long double x = hit.x - static_cast<long double>(q.origin.x),
-                          y = hit.y - static_cast<long double>(q.origin.y),
-                          z = hit.z - static_cast<long double>(q.origin.z);
+        const DoubleDouble x = DoubleDouble::sum(hit.x, -q.origin.x),
+                           y = DoubleDouble::sum(hit.y, -q.origin.y),
+                           z = DoubleDouble::sum(hit.z, -q.origin.z);
         const auto& a = q.a;
-        const long double value = x * (a[0] * x + a[3] * y + a[4] * z + 2 * q.b.x) +
-                                  y * (a[3] * x + a[1] * y + a[5] * z + 2 * q.b.y) +
-                                  z * (a[4] * x + a[5] * y + a[2] * z + 2 * q.b.z) + q.c;
-        const double off = std::abs(static_cast<double>(value)) / (2 * glm::length(q.gradient(hit)));
+        const double value = (x * (x * a[0] + y * a[3] + z * a[4] + 2 * q.b.x) +
+                              y * (x * a[3] + y * a[1] + z * a[5] + 2 * q.b.y) +
+                              z * (x * a[4] + y * a[5] + z * a[2] + 2 * q.b.z) + q.c)
+                                 .high;
+        const double off = std::abs(value) / (2 * glm::length(q.gradient(hit)));
         worst = std::max(
             worst, off / std::max({max_magnitude(hit), max_magnitude(from), *t * max_magnitude(direction)}));
       }
       EXPECT_GT(found, 15'000);
-      EXPECT_LE(worst, 0x1p-45) << (is_cylinder ? "cylinder " : "paraboloid ") << length;
+      EXPECT_LE(worst, 0x1p-46) << (is_cylinder ? "cylinder " : "paraboloid ") << length;
     }
   }
 }

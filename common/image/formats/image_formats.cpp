@@ -14,7 +14,7 @@ class OiioSource : public ImageSource {
     constexpr int kScanlines = 32;
     width_px = spec_.width;
     height_px = spec_.height;
-    rows_at_once = spec_.tile_width > 0 ? spec_.tile_height : std::min(height_px, kScanlines);
+    rows_at_once = spec_.tile_width > 0 ? std::max(1, spec_.tile_height) : std::min(height_px, kScanlines);
   }
   std::string read_rows(int y, int count, float* rgb) override {
     const int begin = spec_.y + y, end = begin + count;
@@ -24,7 +24,9 @@ class OiioSource : public ImageSource {
               ? in_->read_tiles(0, 0, spec_.x, spec_.x + spec_.width, begin, end, spec_.z, spec_.z + 1, 0, 3,
                                 OIIO::TypeDesc::FLOAT, rgb)
               : in_->read_scanlines(0, 0, begin, end, spec_.z, 0, 3, OIIO::TypeDesc::FLOAT, rgb);
-      return is_read ? "" : in_->geterror();
+      if (is_read) return "";
+      const std::string problem = in_->geterror();
+      return problem.empty() ? "its format's reader failed without a word" : problem;
     } catch (const std::exception& e) {
       return e.what();
     }
