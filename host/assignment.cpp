@@ -135,10 +135,13 @@ void Assignment::finish_subpolygon(Key key) {
   subpolygon.state = State::done;
 }
 
+bool Assignment::is_credible(int node, int frame, int subpolygon) {
+  return frame >= 0 && frame < opened_ && subpolygon >= 0 && subpolygon < options_.grid.count() &&
+         !node_state(node).is_expelled;
+}
+
 bool Assignment::accept(int node, int frame, int subpolygon, double now) {
-  if (frame < 0 || frame >= opened_ || subpolygon < 0 || subpolygon >= options_.grid.count() ||
-      node_state(node).is_expelled)
-    return false;
+  if (!is_credible(node, frame, subpolygon)) return false;
   hear(node, now);
   const Key key{frame, subpolygon};
   NodeState& state = node_state(node);
@@ -158,9 +161,7 @@ bool Assignment::accept(int node, int frame, int subpolygon, double now) {
 }
 
 void Assignment::fail(int node, int frame, int subpolygon, const std::string& problem, double now) {
-  if (frame < 0 || frame >= opened_ || subpolygon < 0 || subpolygon >= options_.grid.count() ||
-      node_state(node).is_expelled)
-    return;
+  if (!is_credible(node, frame, subpolygon)) return;
   hear(node, now);
   const Key key{frame, subpolygon};
   std::erase(node_state(node).assigned, key);
@@ -204,7 +205,6 @@ void Assignment::mark_lost(int node, double now) {
   }
   waiting_.insert(waiting_.begin(), orphans.begin(), orphans.end());
   if (nodes_alive() == 0) all_lost_since_ = now;
-  give_up_without_nodes(now);
   hand_out(now);
 }
 

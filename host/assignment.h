@@ -108,6 +108,8 @@ class Assignment {
     int own_left = 0;           ///< of its own sets in open frames
   };
 
+  /// A word of a node that is heard, about work that there is.
+  bool is_credible(int node, int frame, int subpolygon);
   void open_frames(double now);
   void hand_out(double now);
   void give(int node, Key key, double now);

@@ -256,7 +256,7 @@ void check_render(const RenderOptions& o) {
   }
   try {
     check_settings(o.settings);
-  } catch (const std::runtime_error& e) {
+  } catch (const SettingsError& e) {
     throw CLI::ValidationError(e.what());
   }
   if (o.settings.sampling == SamplingPattern::poisson && o.settings.samples > Sampler::kMostPoissonSamples)
@@ -272,9 +272,8 @@ void check_render(const RenderOptions& o) {
     throw CLI::ValidationError("--adaptive chooses where more than one sample is taken; set --samples");
   if (o.settings.adaptive_contrast > 0 && o.settings.lighting == LightingModel::path)
     throw CLI::ValidationError(
-        "--adaptive compares the first samples of neighbouring pixels, which differ everywhere where light "
-        "is "
-        "found by chance: it suits phong, torrance-sparrow, whitted and thesis, not path");
+        "--adaptive compares the first samples of neighbouring pixels, which differ everywhere where "
+        "light is found by chance: it suits phong, torrance-sparrow, whitted and thesis, not path");
   if (!o.time_factors.empty() && !(o.ray_time_s > 0))
     throw CLI::ValidationError("--processor-times are factors on --processor-time; give that, too");
   if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)

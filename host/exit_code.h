@@ -1,4 +1,6 @@
 #pragma once
+#include <stdexcept>
+#include <string>
 
 namespace rayfarm {
 
@@ -10,6 +12,16 @@ enum ExitCode : int {
   kSceneError = 3,
   kSomeFramesFailed = 4,
   kStopped = 75,  ///< cleanly; start again with --skip-existing to go on
+};
+
+/// The job can't go on; the message says why.
+class JobError : public std::runtime_error {
+ public:
+  JobError(int code, const std::string& problem) : std::runtime_error(problem), code_(code) {}
+  int code() const { return code_; }
+
+ private:
+  int code_;
 };
 
 }  // namespace rayfarm

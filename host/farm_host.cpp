@@ -13,7 +13,6 @@ namespace rayfarm {
 namespace {
 
 constexpr double kTickInterval_s = 0.1;
-constexpr double kSignInterval_s = 0.5;
 
 AssignmentOptions assignment_options(const FarmHostOptions& o) {
   AssignmentOptions a;
@@ -73,7 +72,7 @@ void FarmHost::run() {
       receive(*message, now);
       if (result_.pixels_received != before) traced = now_s();  // tracing ends with the last result
     }
-    if (now - looked > kSignInterval_s) {
+    if (now - looked > liveness::kLook_s) {
       expel_the_gone(now);
       looked = now;
     }
@@ -82,12 +81,12 @@ void FarmHost::run() {
       ticked = now;
     }
     take_written(now);
-    if (const bool none = assignment_.nodes_alive() == 0; none != is_waiting_for_any_) {
+    for (const Action& action : assignment_.take_actions()) carry_out(action);
+    if (const bool none = assignment_.nodes_alive() == 0 && !is_over_; none != is_waiting_for_any_) {
       is_waiting_for_any_ = none;
       if (none)
         tell_(fmt::format("no node can be heard; the host waits {:g} s for one", liveness::kAllSilent_s));
     }
-    for (const Action& action : assignment_.take_actions()) carry_out(action);
     if (interrupted_by() != 0) {
       result_.was_interrupted = true;
       is_over_ = true;
@@ -281,9 +280,6 @@ void FarmHost::carry_out(const Action& action) {
     frame_of_node_[static_cast<size_t>(returned->node)] = -1;
     tell_(fmt::format("node {} is back", returned->node));
   } else {
-    for (const NodeResult& node : result_.nodes)
-      if (result_.why_all_are_lost.empty() && !node.problem.empty())
-        result_.why_all_are_lost = fmt::format(" (node {}: {})", node.id, node.problem);
     result_.lost_all_nodes = true;
     is_over_ = true;
   }

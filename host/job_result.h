@@ -66,7 +66,6 @@ struct JobResult {
   PhaseTimes times;
   bool was_interrupted = false;
   bool lost_all_nodes = false;
-  std::string why_all_are_lost;
 
   /// The nodes that are lost at the end, in order.
   std::vector<int> lost_nodes() const {
@@ -74,6 +73,12 @@ struct JobResult {
     for (const NodeResult& n : nodes)
       if (n.is_lost) lost.push_back(n.id);
     return lost;
+  }
+  /// Why the first of the expelled nodes is; empty if none is.
+  std::string first_problem() const {
+    for (const NodeResult& n : nodes)
+      if (!n.problem.empty()) return "node " + std::to_string(n.id) + ": " + n.problem;
+    return {};
   }
   size_t frames_failed() const {
     size_t n = 0;

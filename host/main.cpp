@@ -109,7 +109,7 @@ int run(const CommandLine& line, int argc, char** argv) {
   if (line.kind != CommandKind::render && launched_rank() != 0) return line.exit_code;
   switch (line.kind) {
     case CommandKind::none:
-      fmt::print(line.exit_code == 0 ? stdout : stderr, "{}", line.message);
+      line.exit_code == 0 ? fmt::print("{}", line.message) : say("{}", line.message);
       return line.exit_code;
     case CommandKind::render:
       if (MpiSession::is_launched()) render_on_mpi(line.render, argc, argv);

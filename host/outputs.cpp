@@ -4,11 +4,11 @@
 
 #include <array>
 #include <filesystem>
+#include <utility>
 
 #include "common/scene/input_error.h"
 #include "common/scene/settings_codec.h"
 #include "host/exit_code.h"
-#include "host/roll_call.h"
 
 namespace rayfarm {
 namespace {
@@ -36,8 +36,11 @@ fs::path folder_of(const std::string& file) {
   throw JobError(kUsageError, fmt::format("{} {}: {}", output.option, output.file, problem));
 }
 
-/// The attributes that tell whether a file is this job's picture.
-constexpr std::array kIdentifying{"rayfarm/version", "rayfarm/scene", "rayfarm/settings"};
+/// The attributes that tell whether a file is this job's picture, and what it is of if they differ.
+constexpr std::array<std::pair<const char*, const char*>, 3> kIdentifying{
+    {{"rayfarm/version", "another version of Rayfarm"},
+     {"rayfarm/scene", "another scene"},
+     {"rayfarm/settings", "other settings"}}};
 
 }  // namespace
 
@@ -95,14 +98,10 @@ std::string why_not_finished(const std::string& file, const RenderSettings& sett
     if (info.window.width() != settings.crop.width() || info.window.height() != settings.crop.height())
       return fmt::format("has {}×{} pixels, not {}×{}", info.window.width(), info.window.height(),
                          settings.crop.width(), settings.crop.height());
-    for (const char* name : kIdentifying) {
+    for (const auto& [name, another] : kIdentifying) {
       const std::string value = attribute(name);
       if (value.empty()) return "does not say how it was rendered";
-      if (value != attributes.at(name))
-        return fmt::format("is of {}", std::string_view(name) == "rayfarm/version"
-                                           ? "another version of Rayfarm"
-                                       : std::string_view(name) == "rayfarm/scene" ? "another scene"
-                                                                                   : "other settings");
+      if (value != attributes.at(name)) return fmt::format("is of {}", another);
     }
     if (attribute("rayfarm/frame") != fmt::format("{}", frame)) return "is of another frame";
     check_image_whole(file);

@@ -81,16 +81,9 @@ std::vector<int> choose_frames(const RenderOptions& options, const SceneDescript
 
 RenderSettings choose_settings(const RenderOptions& options, const SceneDescription& scene) {
   RenderSettings s = options.settings;
-  if (options.size_px) {
-    s.width_px = (*options.size_px)[0];
-    s.height_px = (*options.size_px)[1];
-  } else if (scene.view.resolution_px) {
-    s.width_px = (*scene.view.resolution_px)[0];
-    s.height_px = (*scene.view.resolution_px)[1];
-  } else {
-    s.width_px = 640;
-    s.height_px = std::clamp(static_cast<int>(std::lround(640 / scene.view.aspect)), 1, 65536);
-  }
+  const std::array<int, 2> size = options.size_px.value_or(scene.view.size_px());
+  s.width_px = size[0];
+  s.height_px = size[1];
   s.crop = {0, 0, s.width_px, s.height_px};
   if (options.crop) {
     const auto& c = *options.crop;
@@ -315,8 +308,11 @@ class RenderCommand {
     }
     if (result_.was_interrupted)
       throw JobError(kStopped, "stopped; finished frames are in place (--skip-existing goes on from there)");
-    if (result_.lost_all_nodes)
-      throw JobError(kRenderFailure, fmt::format("every node is lost{}", result_.why_all_are_lost));
+    if (result_.lost_all_nodes) {
+      const std::string problem = result_.first_problem();
+      throw JobError(kRenderFailure, problem.empty() ? "every node is lost"
+                                                     : fmt::format("every node is lost ({})", problem));
+    }
     for (const FrameResult& frame : result_.frames)
       if (!frame.problem.empty()) log_->error("frame {} failed: {}", frame.frame, frame.problem);
     if (result_.frames_failed() == 0) return is_told ? kComplete : kRenderFailure;

@@ -45,13 +45,13 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
       t.total_s, t.load_s, t.build_s, t.broadcast_s, t.trace_s, t.write_s);
   const auto rays = static_cast<double>(total(result.rays));
   fmt::format_to(out, "rays     {}", format_count(rays));
-  for (size_t i = 0; i < kRayKinds.size(); ++i)
-    if (result.rays[i] > 0)
-      fmt::format_to(out, "{}{} {}",
-                     text.back() == '\n' ? ""
-                     : i == 0            ? ": "
-                                         : ", ",
-                     kRayKinds[i], format_count(static_cast<double>(result.rays[i])));
+  const char* separator = ": ";
+  for (size_t i = 0; i < kRayKinds.size(); ++i) {
+    if (result.rays[i] == 0) continue;
+    fmt::format_to(out, "{}{} {}", separator, kRayKinds[i],
+                   format_count(static_cast<double>(result.rays[i])));
+    separator = ", ";
+  }
   fmt::format_to(out, "\nspeed    {} on {} node{}\n",
                  format_rate(t.trace_s > 0 ? rays / t.trace_s : 0, "rays/s"), result.nodes.size(),
                  result.nodes.size() == 1 ? "" : "s");

@@ -13,11 +13,6 @@
 #include "protocol/watchdog.h"
 
 namespace rayfarm {
-namespace {
-
-constexpr double kSignInterval_s = 0.25;
-
-}  // namespace
 
 RollCall::RollCall(Transport& transport, JobResult& result) : transport_(transport), result_(result) {
   for (int id = 1; id <= transport.node_count(); ++id) {
@@ -50,7 +45,7 @@ void RollCall::serve() {
     }
   }
   if (interrupted_by() != 0) throw JobError(kStopped, "stopped before the scene was loaded");
-  if (signs_.empty() || now_s() - looked_s_ < kSignInterval_s) return;
+  if (signs_.empty() || now_s() - looked_s_ < liveness::kLook_s) return;
   looked_s_ = now_s();
   for (size_t i = 0; i < heard_.size(); ++i) judge(i);
 }

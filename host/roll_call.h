@@ -1,22 +1,10 @@
 #pragma once
 // Who is there: while the scene loads, before anything is traced, and at the end.
-#include <stdexcept>
-
 #include "host/job_result.h"
 #include "protocol/liveness.h"
 #include "protocol/transport.h"
 
 namespace rayfarm {
-
-/// The job can't go on; the message says why.
-class JobError : public std::runtime_error {
- public:
-  JobError(int code, const std::string& problem) : std::runtime_error(problem), code_(code) {}
-  int code() const { return code_; }
-
- private:
-  int code_;
-};
 
 /// Takes the nodes' reports while the scene loads. Nobody can be done without before the scene is loaded
 /// everywhere, so a node that is gone ends the job; one that is merely silent may have been stopped for a

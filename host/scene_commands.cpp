@@ -18,8 +18,7 @@ namespace {
 CompiledScene compile_and_look(const SceneDescription& scene) {
   CompiledScene compiled = compile(scene);
   const int frame = scene.frames ? (*scene.frames)[0] : 0;
-  const int height_px = std::max(1, static_cast<int>(std::lround(640 / scene.view.aspect)));
-  const auto [width, height] = scene.view.resolution_px.value_or(std::array<int, 2>{640, height_px});
+  const auto [width, height] = scene.view.size_px();
   try {
     if (const auto problem = nothing_in_view(compiled.scene, frame, width, height))
       compiled.notes.add(scene.source(), fmt::format("at frame {}: {}", frame, *problem));
@@ -66,8 +65,8 @@ void list_files_outside(const SceneDescription& scene) {
   for (const std::string& file : scene.files) {
     const fs::path there = fs::weakly_canonical(fs::absolute(file)).lexically_relative(folder);
     if (there.empty() || *there.begin() != "..") continue;
-    if (std::exchange(is_first, false)) fmt::print(stderr, "outside of the scene's folder:\n");
-    fmt::print(stderr, "  {}\n", file);
+    if (std::exchange(is_first, false)) say("outside of the scene's folder:\n");
+    say("  {}\n", file);
   }
 }
 

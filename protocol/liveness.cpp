@@ -4,22 +4,20 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
 #include <filesystem>
+#include <mutex>
 
 #include "protocol/build_identity.h"
 #include "protocol/clock.h"
 
 namespace rayfarm {
-namespace {
 
-/// True if the process runs this program; one that ended but was not yet reaped runs none.
 bool runs_this_program(uint32_t pid) {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", error);
   return !error && program == std::filesystem::read_symlink("/proc/self/exe", error) && !error;
 }
-
-}  // namespace
 
 double ListeningClock::turn(double now_s) {
   if (last_s_ >= 0) listened_s_ += std::clamp(now_s - last_s_, 0.0, kLongestTurn_s);
@@ -52,16 +50,8 @@ std::function<std::string()> make_witness(std::vector<std::pair<std::string, Pro
   };
 }
 
-Heart::Heart(Transport& transport) : transport_(transport), thread_([this] { beat_on(); }) {}
-
-Heart::~Heart() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_ending_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
+Heart::Heart(Transport& transport)
+    : transport_(transport), thread_([this](const std::stop_token& end) { beat_until(end); }) {}
 
 void Heart::beat(int to) {
   try {
@@ -71,17 +61,18 @@ void Heart::beat(int to) {
   }
 }
 
-void Heart::beat_on() {
-  std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, std::chrono::duration<double>(liveness::kBeat_s),
-                            [this] { return is_ending_; })) {
-    lock.unlock();  // sending may wait for another thread's use of the net
+void Heart::beat_until(const std::stop_token& end) {
+  std::mutex mutex;
+  std::condition_variable_any changed;
+  std::unique_lock lock(mutex);
+  while (true) {
+    changed.wait_for(lock, end, std::chrono::duration<double>(liveness::kBeat_s), [] { return false; });
+    if (end.stop_requested()) return;
     if (transport_.is_host()) {
       for (int node = 1; node <= transport_.node_count(); ++node) beat(node);
     } else {
       beat(kHost);
     }
-    lock.lock();
   }
 }
 

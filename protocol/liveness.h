@@ -7,10 +7,9 @@
 //  - On the same machine the process table tells whether a silent process is gone.
 //  - A node that is silent is lost: others do its work, and it is welcome when it speaks again. A node that
 //    failed (its process is gone, it could not load, it sent nonsense) is expelled and stays so.
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -31,6 +30,8 @@ inline constexpr double kLeastNodeTimeout_s = 2;
 inline constexpr double kNodeTimeout_s = 8;
 /// A node doubts a host that is silent for longer, and ends if its process is gone: six beats.
 inline constexpr double kHostDoubt_s = 6;
+/// Between two looks at the process table, and at a watchdog's time.
+inline constexpr double kLook_s = 0.25;
 /// What no other sign confirms is believed after this long silence only: three times the longest stop (20 s)
 /// that a job must live through.
 inline constexpr double kLongSilence_s = 60;
@@ -64,6 +65,9 @@ class ListeningClock {
   double listened_s_ = 0;
 };
 
+/// True if a process of this machine runs this program; one that ended but was not yet reaped runs none.
+bool runs_this_program(uint32_t pid);
+
 /// What the process table of this machine tells of another process of the job.
 class ProcessSign {
  public:
@@ -92,18 +96,12 @@ std::function<std::string()> make_witness(std::vector<std::pair<std::string, Pro
 class Heart {
  public:
   explicit Heart(Transport& transport);
-  ~Heart();
-  Heart(const Heart&) = delete;
-  Heart& operator=(const Heart&) = delete;
 
  private:
   void beat(int to);
-  void beat_on();
+  void beat_until(const std::stop_token& end);
   Transport& transport_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool is_ending_ = false;
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 }  // namespace rayfarm

@@ -195,17 +195,18 @@ struct MpiSession::State {
   std::mutex in_mpi;  ///< one thread at a time calls MPI
   int rank = 0, size = 1;
 
-  double step_limit_s() const {
-    return rank == kHost ? liveness::kLoadingStep_s : liveness::kLoadingStepOfNodes_s;
+  void arm(const char* what) {
+    watchdog.arm(
+        rank == kHost ? liveness::kLoadingStep_s : liveness::kLoadingStepOfNodes_s,
+        fmt::format("a process was lost while loading ({}); the job ends. Start it again, without the "
+                    "machine that failed",
+                    what));
   }
 
   /// Runs one collective step under the watchdog.
   template <typename Step>
   void collective(const char* what, Step step) {
-    watchdog.arm(step_limit_s(),
-                 fmt::format("a process was lost while loading ({}); the job ends. Start it again, "
-                             "without the machine that failed",
-                             what));
+    arm(what);
     check(step(), what);
     watchdog.disarm();
   }
@@ -215,19 +216,15 @@ struct MpiSession::State {
   void wait_for_machine(MPI_Comm machine, uint64_t* progress) {
     MPI_Request request = MPI_REQUEST_NULL;
     check(MPI_Ibarrier(machine, &request), "the end of loading");
-    const auto arm = [this] {
-      watchdog.arm(step_limit_s(),
-                   "a process was lost while loading (the machine's copy); the job ends. Start it "
-                   "again, without the machine that failed");
-    };
-    arm();
+    constexpr const char* kWhat = "the machine's copy";
+    arm(kWhat);
     uint64_t seen = 0;
     for (Backoff backoff;; backoff.wait()) {
       int done = 0;
       check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "the end of loading");
       if (done) break;
       const uint64_t now = progress ? std::atomic_ref(*progress).load() : seen;
-      if (now != seen) arm();
+      if (now != seen) arm(kWhat);
       seen = now;
     }
     watchdog.disarm();

@@ -4,11 +4,14 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+
+#include "protocol/liveness.h"
 
 namespace rayfarm {
 namespace {
@@ -30,16 +33,7 @@ void remove_shared_buffers() {
 
 }  // namespace
 
-Watchdog::Watchdog() : thread_([this] { watch(); }) {}
-
-Watchdog::~Watchdog() {
-  {
-    const std::lock_guard lock(mutex_);
-    is_ending_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
+Watchdog::Watchdog() : thread_([this](const std::stop_token& end) { watch(end); }) {}
 
 void Watchdog::arm(double seconds, std::string message) {
   const std::lock_guard lock(mutex_);
@@ -58,20 +52,22 @@ void Watchdog::set_witness(std::function<std::string()> names_the_gone) {
   names_the_gone_ = std::move(names_the_gone);
 }
 
-void Watchdog::watch() {
-  constexpr std::chrono::duration<double> kStep(0.25);
+void Watchdog::watch(const std::stop_token& end) {
+  std::condition_variable_any changed;
   std::unique_lock lock(mutex_);
-  const auto end = [](const std::string& why) {
+  const auto end_because = [](const std::string& why) {
     std::fprintf(stderr, "rayfarm: %s\n", why.c_str());
     std::fflush(nullptr);
     end_job(1);
   };
-  while (!changed_.wait_for(lock, kStep, [this] { return is_ending_; })) {
+  while (true) {
+    changed.wait_for(lock, end, std::chrono::duration<double>(liveness::kLook_s), [] { return false; });
+    if (end.stop_requested()) return;
     if (!is_armed_) continue;
     if (names_the_gone_)
-      if (const std::string gone = names_the_gone_(); !gone.empty()) end(gone);
-    left_s_ -= kStep.count();  // what was asked for: if the process was stopped, it was longer
-    if (left_s_ <= 0) end(message_);
+      if (const std::string gone = names_the_gone_(); !gone.empty()) end_because(gone);
+    left_s_ -= liveness::kLook_s;  // what was asked for: if the process was stopped, it was longer
+    if (left_s_ <= 0) end_because(message_);
   }
 }
 
@@ -91,10 +87,7 @@ void end_job(int code) {
 }
 
 void end_hung_process(unsigned pid) {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", error);
-  if (!error && program == std::filesystem::read_symlink("/proc/self/exe", error))
-    kill(static_cast<pid_t>(pid), SIGKILL);
+  if (runs_this_program(pid)) kill(static_cast<pid_t>(pid), SIGKILL);
 }
 
 }  // namespace rayfarm

@@ -1,9 +1,9 @@
 #pragma once
 // Ends this process when something that can't be interrupted, an MPI collective above all, makes no progress:
 // with a dead process in it, it would wait for ever. A pause of this process does not count.
-#include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -12,9 +12,6 @@ namespace rayfarm {
 class Watchdog {
  public:
   Watchdog();
-  ~Watchdog();
-  Watchdog(const Watchdog&) = delete;
-  Watchdog& operator=(const Watchdog&) = delete;
 
   /// From now on `disarm` or another `arm` must come within `seconds`; else the message is printed to stderr
   /// and the whole job ends with exit code 1 (see end_job).
@@ -25,14 +22,13 @@ class Watchdog {
   void set_witness(std::function<std::string()> names_the_gone);
 
  private:
-  void watch();
+  void watch(const std::stop_token& end);
   std::mutex mutex_;
-  std::condition_variable changed_;
   std::function<std::string()> names_the_gone_;
   double left_s_ = 0;
   std::string message_;
-  bool is_armed_ = false, is_ending_ = false;
-  std::thread thread_;
+  bool is_armed_ = false;
+  std::jthread thread_;
 };
 
 /// Ends this process at once with `code`, without waiting for any other. Under an mpirun that recovers from

@@ -1,9 +1,9 @@
 // NFF (Haines, "Neutral File Format", version 3.9): tokens separated by white space, `#` to the end of the
 // line.
-#include <charconv>
 #include <cmath>
 #include <utility>
 
+#include "common/scene/records.h"
 #include "common/scene/scene_loaders.h"
 
 namespace rayfarm {
@@ -38,16 +38,13 @@ class Tokens {
     if (token != word) fail(fmt::format("expected '{}', found '{}'", word, token.substr(0, 40)));
   }
   double number(std::string_view what) {
-    std::string_view token = next(what);
-    if (!token.empty() && token.front() == '+') token.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (error != std::errc{} || end != token.data() + token.size())
-      fail(fmt::format("expected a number ({}), found '{}'", what, token.substr(0, 40)));
-    if (!std::isfinite(value)) fail(fmt::format("{} is not a finite number", what));
-    if (std::abs(value) > limits::kCoordinate)
+    const std::string_view token = next(what);
+    const std::optional<double> value = parse_number(token);
+    if (!value) fail(fmt::format("expected a number ({}), found '{}'", what, token.substr(0, 40)));
+    if (!std::isfinite(*value)) fail(fmt::format("{} is not a finite number", what));
+    if (std::abs(*value) > limits::kCoordinate)
       fail(fmt::format("{} is larger than {:g}", what, limits::kCoordinate));
-    return value;
+    return *value;
   }
   Vec3 vector(std::string_view what) {
     const double x = number(what), y = number(what);

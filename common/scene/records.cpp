@@ -54,15 +54,19 @@ bool Records::has_number() {
   return digit < 3 && std::isdigit(static_cast<unsigned char>(found[digit]));
 }
 
+std::optional<double> parse_number(std::string_view word) {
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc{} && end == word.data() + word.size() ? std::optional(value) : std::nullopt;
+}
+
 double Records::number() {
   const std::string_view found = word();
-  std::string_view digits = found;
-  if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
+  const std::optional<double> value = parse_number(found);
+  if (!value || !std::isfinite(*value))
     fail(fmt::format("expected a finite number, found '{}'", found.substr(0, 40)));
-  return value;
+  return *value;
 }
 
 }  // namespace rayfarm

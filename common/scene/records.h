@@ -1,5 +1,6 @@
 #pragma once
 // Text files whose lines are records: a keyword and what belongs to it. OBJ and MTL are such.
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -7,6 +8,9 @@
 #include "common/scene/stop.h"
 
 namespace rayfarm {
+
+/// The number that a whole word is, perhaps with a plus before it; nothing if it is none. May be infinite.
+std::optional<double> parse_number(std::string_view word);
 
 /// A walk through the words of a text, line by line. Lines end in a line feed, a carriage return or both.
 class Records {

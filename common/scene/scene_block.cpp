@@ -39,7 +39,7 @@ size_t aligned(size_t n) {
 }
 
 [[noreturn]] void damaged(const std::string& what) {
-  throw SceneBlockError("the scene block is damaged: " + what);
+  throw SceneBlockError(what);
 }
 
 bool range_fits(uint64_t first, uint64_t count, size_t size) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "common/scene/scene.h"
@@ -14,7 +15,8 @@ namespace rayfarm {
 /// The bytes are not a scene block of this build, or are damaged.
 class SceneBlockError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit SceneBlockError(const std::string& what)
+      : std::runtime_error("the scene block is damaged: " + what) {}
 };
 
 /// An owned block, aligned to 64 bytes.

@@ -12,7 +12,7 @@ namespace rayfarm {
 namespace {
 
 void require(bool holds, const char* what) {
-  if (!holds) throw SceneBlockError(std::string("the scene block is damaged: ") + what);
+  if (!holds) throw SceneBlockError(what);
 }
 
 /// Ranges of an array that belong to one owner each: they fit, and all of them are no longer than the array.

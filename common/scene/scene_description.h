@@ -1,7 +1,9 @@
 #pragma once
 // A scene as its author wrote it: names, units and a tree of objects, with the place of everything in its
 // file. Loaders fill it; `compile` turns it into the flat arrays that nodes trace.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -71,6 +73,12 @@ struct ViewDescription {
   double lens_radius = 0;                                   ///< 0: a pinhole, all is sharp
   double aspect = 4.0 / 3.0;                                ///< width / height
   std::optional<std::array<int, 2>> resolution_px;
+
+  /// Width and height of pictures for which nobody asks another size.
+  std::array<int, 2> size_px() const {
+    return resolution_px.value_or(
+        std::array{640, std::clamp(static_cast<int>(std::lround(640 / aspect)), 1, 65536)});
+  }
 };
 
 /// How the normal varies over a polygon with normals at its nodes (thesis 2.3.5).

@@ -8,10 +8,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
-#include "common/scene/input_error.h"
 #include "common/scene/scene_block.h"
+#include "common/scene/scene_loaders.h"
 #include "common/scene/settings_codec.h"
 #include "protocol/clock.h"
 #include "protocol/protocol_error.h"
@@ -77,19 +76,12 @@ bool run(const Target& target, const std::string& input) {
   return problem.empty();
 }
 
-std::string read_file(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 /// Findings of the past: files named TARGET-WHAT.
 std::vector<std::string> regressions_of(const Target& target) {
   std::vector<std::string> inputs;
   for (const auto& entry : std::filesystem::directory_iterator(RAYFARM_SOURCE "/tests/fuzz/regressions"))
     if (entry.path().filename().string().starts_with(target.name + "-"))
-      inputs.push_back(read_file(entry.path()));
+      inputs.push_back(read_file(entry.path(), limits::kFileBytes));
   return inputs;
 }
 
@@ -113,7 +105,7 @@ int fuzz(const Options& options) {
   signal(SIGPROF, on_alarm);
   if (__sanitizer_set_death_callback) __sanitizer_set_death_callback(on_death);
   int findings = 0;
-  if (!options.input.empty()) return run(targets[0], read_file(options.input)) ? 0 : 1;
+  if (!options.input.empty()) return run(targets[0], read_file(options.input, limits::kFileBytes)) ? 0 : 1;
   for (const Target& target : targets) {
     if (target.seeds.empty()) {
       fmt::print(stderr, "fuzz: target '{}' has no seeds\n", target.name);

@@ -6,25 +6,19 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "common/image/image_file.h"
-#include "common/lighting/renderer.h"
 #include "common/scene/compile.h"
 #include "common/scene/ies_loader.h"
+#include "common/scene/scene_loaders.h"
 #include "common/scene/settings_codec.h"
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
+#include "tests/render_little.h"
 
 namespace rayfarm::fuzz {
-namespace {
 
-std::string read_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
+namespace {
 
 std::string text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -33,18 +27,8 @@ std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-/// A few pixels, in as many ways as the time allows.
 void render(const Scene& scene, int frame) {
-  for (const LightingModel model : {LightingModel::whitted, LightingModel::path}) {
-    RenderSettings settings;
-    settings.width_px = 4;
-    settings.height_px = 3;
-    settings.crop = {0, 0, 4, 3};
-    settings.lighting = model;
-    settings.max_depth = 3;
-    Renderer renderer(scene, settings);
-    renderer.render(frame, settings.crop, [] {});
-  }
+  test::render_little(scene, frame, 4, 3);
 }
 
 void render_file(const std::string& path) {
@@ -66,7 +50,7 @@ std::vector<std::string> scene_seeds(const char* extension) {
   std::vector<std::string> seeds;
   for (const auto& entry : std::filesystem::directory_iterator(RAYFARM_SOURCE "/scenes"))
     if (entry.path().extension() == extension && entry.file_size() < 20'000)
-      seeds.push_back(read_file(entry.path()));
+      seeds.push_back(read_file(entry.path(), limits::kFileBytes));
   std::sort(seeds.begin(), seeds.end());
   return seeds;
 }
@@ -149,7 +133,7 @@ std::vector<std::string> image_seeds(const Folder& folder) {
   const Image image{5, 4, {0, 0, 5, 4}, PixelFormat::rgb8, zeros(3 * 5 * 4)};
   for (const char* name : {"seed.png", "seed.exr"}) {
     write_image(folder.path + "/" + name, image, {{"rayfarm/frame", "1"}});
-    seeds.push_back(name[5] + read_file(folder.path + "/" + name));
+    seeds.push_back(name[5] + read_file(folder.path + "/" + name, limits::kFileBytes));
   }
   seeds.push_back("h#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n0123456789abcdef");
   return seeds;

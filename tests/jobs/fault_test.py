@@ -13,14 +13,16 @@ SCENE = SCENES / "primitives.yaml"
 # the middle of it.
 HEAVY = ["--size", "480x360", "--samples", "16"]
 SLOW = ["--processor-time", "0.0000007"]
+# So slow that a silence of three seconds is noticed before the others have done the silent node's work, too.
+SLOWER = ["--processor-time", "0.000003"]
 
 
 class LostNode(JobTest):
-    def expect_whole_frame(self, number, *arguments, rank=2, delay=0.7):
+    def expect_whole_frame(self, number, *arguments, rank=2, delay=0.7, slow=SLOW):
         reference = self.render(1, SCENE, *HEAVY, *arguments)["image"]["sha256_pixels"]
         stats = self.folder / "hurt.json"
         job = Job(4, "render", SCENE, "-o", self.folder / "hurt.png", "--stats", stats, "--progress", "none",
-                  "--node-timeout", "3", "-v", *HEAVY, *SLOW, *arguments)
+                  "--node-timeout", "3", "-v", *HEAVY, *slow, *arguments)
         job.wait_until_it_says("tracing begins")
         time.sleep(delay)
         job.hurt(rank, number)
@@ -52,10 +54,10 @@ class LostNode(JobTest):
         self.expect_whole_frame(signal.SIGSEGV, rank=3)
 
     def test_hung_on_demand(self):
-        self.expect_whole_frame(signal.SIGSTOP)
+        self.expect_whole_frame(signal.SIGSTOP, slow=SLOWER)
 
     def test_hung_interleaved(self):
-        _, result = self.expect_whole_frame(signal.SIGSTOP, "--assign", "interleaved")
+        _, result = self.expect_whole_frame(signal.SIGSTOP, "--assign", "interleaved", slow=SLOWER)
         self.assertIn("is lost: silent for 3 s", result.stderr)
 
     def late_loss(self, number):

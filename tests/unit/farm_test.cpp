@@ -180,7 +180,7 @@ TEST(Farm, ANodeThatCanNotLoadIsExpelledAndTheOthersDoTheWork) {
 TEST(Farm, WhenNoNodeCanLoadTheJobEndsAndSaysWhy) {
   const FarmRun run = run_farm(3, {1}, AssignmentPolicy::on_demand, Wire::block, run_failing_node);
   EXPECT_TRUE(run.result.lost_all_nodes);
-  EXPECT_NE(run.result.why_all_are_lost.find("no room"), std::string::npos);
+  EXPECT_NE(run.result.first_problem().find("no room"), std::string::npos);
   EXPECT_FALSE(run.result.frames[0].is_written);
 }
 

@@ -8,6 +8,7 @@
 #include "common/hierarchy/traverser.h"
 #include "common/lighting/renderer.h"
 #include "common/scene/settings_codec.h"
+#include "tests/render_little.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -79,17 +80,9 @@ TEST(SceneBlock, TheSceneOfTheseTestsFillsEveryArray) {
 }
 
 void render_a_little(const Scene& scene) {
-  for (const LightingModel model : {LightingModel::whitted, LightingModel::path}) {
-    RenderSettings settings;
-    settings.width_px = 12;
-    settings.height_px = 8;
-    settings.crop = {0, 0, 12, 8};
-    settings.lighting = model;
-    settings.max_depth = 3;
-    try {
-      Renderer(scene, settings).render(2, settings.crop, [] {});
-    } catch (const std::domain_error&) {  // a view or pose that can't be
-    }
+  try {
+    test::render_little(scene, 2, 12, 8);
+  } catch (const std::domain_error&) {  // a view or pose that can't be
   }
 }
 
