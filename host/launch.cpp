@@ -1,5 +1,8 @@
 #include "host/launch.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cstdlib>
 
 #include "host/console.h"
@@ -7,6 +10,12 @@
 #include "protocol/messages.h"
 
 namespace rayfarm {
+
+void hold_standard_streams() {
+  // The lowest free number is taken, so that each finds its own.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) == -1) open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+}
 
 int launched_rank() {
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"})

@@ -3,6 +3,10 @@
 
 namespace rayfarm {
 
+/// Standard streams that are closed lead nowhere from now on. Else the next file that is opened would be one
+/// of them, and texts would be written into a picture. Reading and standard output fail, as they would.
+void hold_standard_streams();
+
 /// This process's rank, 0 without a launcher; known before MPI starts.
 int launched_rank();
 

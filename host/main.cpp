@@ -1,6 +1,4 @@
 // Chooses the role: rank 0 is the host, every other rank a node; without mpirun both live in this process.
-#include <fmt/core.h>
-
 #include <future>
 #include <optional>
 #include <system_error>
@@ -135,6 +133,7 @@ int run(const CommandLine& line, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  hold_standard_streams();
   int code = kRenderFailure;
   try {
     code = run(parse_command_line(argc, argv), argc, argv);

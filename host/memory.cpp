@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -22,22 +23,38 @@ uint64_t machine_bytes() {
   return kibibytes ? kibibytes << 10 : kUnlimited;
 }
 
-uint64_t read_number(const std::string& path) {
+uint64_t read_number(const std::filesystem::path& path) {
   std::ifstream file(path);
   uint64_t number = 0;
   return file >> number ? number : kUnlimited;  // "max" is no number
 }
 
-/// What this process's control group (version 2) leaves.
+/// Of a group's memory, what holds copies of files and goes when it is needed.
+uint64_t file_cache_bytes(const std::filesystem::path& folder) {
+  std::ifstream file(folder / "memory.stat");
+  uint64_t bytes = 0, value = 0;
+  for (std::string name; file >> name >> value;)
+    if (name == "active_file" || name == "inactive_file") bytes += value;
+  return bytes;
+}
+
+/// What this process's control group (version 2) and those above it leave.
 uint64_t group_bytes() {
+  const std::filesystem::path root = "/sys/fs/cgroup";
   std::ifstream file("/proc/self/cgroup");
+  uint64_t least = kUnlimited;
   for (std::string line; std::getline(file, line);) {
-    if (!line.starts_with("0::")) continue;
-    const std::string folder = "/sys/fs/cgroup" + line.substr(3);
-    const uint64_t most = read_number(folder + "/memory.max"), used = read_number(folder + "/memory.current");
-    if (most != kUnlimited && used != kUnlimited) return most - std::min(used, most);
+    if (!line.starts_with("0::/")) continue;
+    for (std::filesystem::path group = root / line.substr(4);; group = group.parent_path()) {
+      const uint64_t most = read_number(group / "memory.max"), used = read_number(group / "memory.current");
+      if (most != kUnlimited && used != kUnlimited) {
+        const uint64_t held = used - std::min(file_cache_bytes(group), used);
+        least = std::min(least, most - std::min(held, most));
+      }
+      if (group == root || !group.has_relative_path()) break;
+    }
   }
-  return kUnlimited;
+  return least;
 }
 
 /// What the limit on address space (ulimit -v) leaves.

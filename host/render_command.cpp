@@ -16,6 +16,7 @@
 #include "host/console.h"
 #include "host/exit_code.h"
 #include "host/farm_host.h"
+#include "host/interrupt.h"
 #include "host/memory.h"
 #include "host/net/cost_map.h"
 #include "host/output_pattern.h"
@@ -100,14 +101,15 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
   return s;
 }
 
-/// Frames that are begun but not written: so many fit into memory, at most as many as are of use. Throws
-/// JobError if not even one does.
-int choose_window(const RenderSettings& settings, size_t frames) {
+/// Frames that are begun but not written: so many fit into memory beside `other_bytes` that are still to be
+/// taken, at most as many as are of use. Throws JobError if not even one does.
+int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes) {
   constexpr int kMostFrames = 3;
   constexpr double kShare = 0.9;  // of what is free: files are written through buffers
   const double frame_bytes =
       static_cast<double>(settings.crop.area()) * static_cast<double>(bytes_per_pixel(settings.pixel_format));
-  const auto available = static_cast<double>(available_memory_bytes());
+  const uint64_t free_bytes = available_memory_bytes();
+  const auto available = static_cast<double>(free_bytes - std::min<uint64_t>(other_bytes, free_bytes));
   const double fit = kShare * available / frame_bytes;
   if (fit < 1)
     throw JobError(
@@ -215,6 +217,7 @@ class RenderCommand {
   /// The frames to render, with their files.
   void choose_work(FarmHostOptions& farm_options, const RenderSettings& settings) {
     for (const int frame : choose_frames(options_, loaded_->description)) {
+      if (interrupted_by() != 0) throw JobError(kStopped, "stopped before anything was traced");
       const std::string file = file_of_frame(options_.output, frame);
       if (options_.skip_existing && std::filesystem::exists(file)) {
         const std::string why = why_not_finished(file, settings, frame, farm_options.attributes);
@@ -256,7 +259,9 @@ class RenderCommand {
       log_->info("nothing to do");
       return kComplete;
     }
-    farm_options.window_frames = choose_window(settings, plan.frames.size());
+    farm_options.window_frames = choose_window(
+        settings, plan.frames.size(),
+        farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size);  // the machine's copy
     if (options_.wire == Wire::pixel && natural_format(options_.output) != PixelFormat::rgb8)
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
     log_->debug("{} nodes, {} × {} subpolygons", plan.processors, plan.grid.columns, plan.grid.rows);
@@ -281,7 +286,7 @@ class RenderCommand {
       host.run();
     }
     result_.times.total_s = now_s() - begin_;
-    mark_silent_nodes(farm_.transport, result_);
+    mark_silent_nodes(farm_.transport, roll_call.signs(), result_);
     return report(plan, settings);
   }
 

@@ -78,25 +78,31 @@ std::function<std::string()> RollCall::make_node_witness() const {
   return make_witness(std::move(watched), 0);
 }
 
-void mark_silent_nodes(Transport& transport, JobResult& result) {
-  if (transport.is_one_process()) return;
-  std::set<int> silent;
+void mark_silent_nodes(Transport& transport, std::span<const ProcessSign> signs, JobResult& result) {
+  if (signs.empty()) return;
+  std::set<int> asked;
   for (const NodeResult& node : result.nodes)
-    if (!node.is_lost) silent.insert(node.id);
-  for (const int node : silent) transport.send(node, AskPresent{});
+    if (!node.is_lost) asked.insert(node.id);
+  for (const int node : asked) transport.send(node, AskPresent{});
+  const auto lose = [&result](int node) {
+    return result.nodes[static_cast<size_t>(node) - 1].is_lost = true;
+  };
   ListeningClock listening;
   Backoff backoff;
-  for (; !silent.empty() && listening.turn(now_s()) < liveness::kLastWord_s; backoff.wait())
+  for (; !asked.empty() && listening.turn(now_s()) < liveness::kLastWord_s; backoff.wait()) {
     while (const auto message = transport.try_receive()) {
       if (message->channel != Channel::control) continue;
       try {
         // A beating heart is not enough: who does not answer would not hear that the job is over, either.
-        if (std::holds_alternative<Present>(decode_control(message->bytes))) silent.erase(message->source);
+        if (std::holds_alternative<Present>(decode_control(message->bytes))) asked.erase(message->source);
       } catch (const ProtocolError&) {
         // The pictures are whole: a node that sends nonsense now is as good as silent.
       }
     }
-  for (const int node : silent) result.nodes[static_cast<size_t>(node) - 1].is_lost = true;
+    std::erase_if(asked,
+                  [&](int node) { return signs[static_cast<size_t>(node) - 1].is_gone() && lose(node); });
+  }
+  for (const int node : asked) lose(node);
 }
 
 bool end_hung_nodes(Transport& transport, const JobResult& result) {

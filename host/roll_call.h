@@ -1,5 +1,7 @@
 #pragma once
 // Who is there: while the scene loads, before anything is traced, and at the end.
+#include <span>
+
 #include "host/job_result.h"
 #include "protocol/liveness.h"
 #include "protocol/transport.h"
@@ -33,10 +35,11 @@ class RollCall {
   double looked_s_ = 0;
 };
 
-/// Asks all nodes, and marks those as lost that do not answer within a few heartbeats: one that was
+/// Asks all nodes, and marks those as lost whose process is gone or that do not answer within a few
+/// heartbeats: one that was
 /// killed or hung so late that its work was done by others before its silence was long enough. The end of MPI
 /// would wait for it.
-void mark_silent_nodes(Transport& transport, JobResult& result);
+void mark_silent_nodes(Transport& transport, std::span<const ProcessSign> signs, JobResult& result);
 
 /// Hung nodes keep mpirun from returning. Those on this machine are ended here, those on others by a node
 /// beside them. True if any is left where nobody can end it.

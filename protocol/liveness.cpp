@@ -50,8 +50,10 @@ std::function<std::string()> make_witness(std::vector<std::pair<std::string, Pro
   };
 }
 
-Heart::Heart(Transport& transport)
-    : transport_(transport), thread_([this](const std::stop_token& end) { beat_until(end); }) {}
+Heart::Heart(Transport& transport, double stuck_s)
+    : transport_(transport),
+      stuck_s_(stuck_s),
+      thread_([this](const std::stop_token& end) { beat_until(end); }) {}
 
 void Heart::beat(int to) {
   try {
@@ -68,6 +70,7 @@ void Heart::beat_until(const std::stop_token& end) {
   while (true) {
     changed.wait_for(lock, end, std::chrono::duration<double>(liveness::kBeat_s), [] { return false; });
     if (end.stop_requested()) return;
+    if (now_s() - transport_.last_turn_s() > stuck_s_) continue;
     if (transport_.is_host()) {
       for (int node = 1; node <= transport_.node_count(); ++node) beat(node);
     } else {

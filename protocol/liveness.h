@@ -38,6 +38,9 @@ inline constexpr double kLongSilence_s = 60;
 /// All nodes are silent, but not known to be gone: the host waits so long for one to speak again. Longer than
 /// a stop of 20 s.
 inline constexpr double kAllSilent_s = 30;
+/// A process whose own work has looked for no message for so long hangs: its heart falls silent. Far longer
+/// than any part of a computation that polls nothing takes.
+inline constexpr double kStuck_s = 600;
 /// While loading, nobody can do without anybody: a step that takes longer ends the job. Longer than a stop of
 /// 20 s, and the job ends within 30 s.
 inline constexpr double kLoadingStep_s = 25;
@@ -92,15 +95,16 @@ std::function<std::string()> make_witness(std::vector<std::pair<std::string, Pro
                                           double grace_s);
 
 /// Tells the other side that this process is alive, the host every node, a node its host, as long as it
-/// exists.
+/// exists and the transport's own thread takes a turn within `stuck_s`.
 class Heart {
  public:
-  explicit Heart(Transport& transport);
+  explicit Heart(Transport& transport, double stuck_s = liveness::kStuck_s);
 
  private:
   void beat(int to);
   void beat_until(const std::stop_token& end);
   Transport& transport_;
+  double stuck_s_;
   std::jthread thread_;
 };
 

@@ -274,6 +274,13 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
   State& s = *state_;
   const std::lock_guard lock(s.in_mpi);  // no heartbeats meanwhile: nobody listens for them
   s.watchdog.set_witness(std::move(names_the_gone));
+  struct Calm {  // however this ends, the watchdog does not end the job for it
+    Watchdog& watchdog;
+    ~Calm() {
+      watchdog.disarm();
+      watchdog.set_witness({});
+    }
+  } const calm{s.watchdog};
   uint64_t size = block.size();
   s.collective("the scene's size", [&] { return MPI_Bcast(&size, 1, MPI_UINT64_T, kHost, s.comm); });
 
@@ -296,6 +303,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
   std::unique_ptr<SharedBlock> result;
   std::byte* target = nullptr;
   uint64_t* progress = nullptr;
+  bool lacks_memory = false;
   bool is_shared = agree(shared_memory_seems_to_hold(size));
   if (is_shared) {
     MPI_Win window = MPI_WIN_NULL;
@@ -326,13 +334,19 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
       warn(fmt::format(
           "/dev/shm has no room for the scene's {} MiB: the {} processes on this machine hold a copy each",
           size >> 20, machine_size));
-    auto own = std::make_unique<PrivateBlock>(size);
-    target = own->data();
-    result = std::move(own);
+    try {
+      if (s.rank != kHost) {  // which has the block that it sends
+        auto own = std::make_unique<PrivateBlock>(size);
+        target = own->data();
+        result = std::move(own);
+      }
+    } catch (const std::bad_alloc&) {
+      lacks_memory = true;  // told when all have loaded: nobody waits for this node meanwhile
+    }
   }
 
   // With a shared copy only leaders receive; without, every process does.
-  const bool receives = !is_shared || machine_rank == 0;
+  const bool receives = is_shared ? machine_rank == 0 : !lacks_memory;
   s.collective("choosing the receivers",
                [&] { return MPI_Comm_split(s.comm, receives ? 0 : MPI_UNDEFINED, s.rank, &leaders); });
   if (receives) {
@@ -352,13 +366,13 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
       const LoadData data = decode_load_data(message);
       if (data.address > size || data.payload.size() > size - data.address)
         throw ProtocolError("load data lies outside of the scene");
-      std::memcpy(target + data.address, data.payload.data(), data.payload.size());
+      if (target) std::memcpy(target + data.address, data.payload.data(), data.payload.size());
       if (progress) std::atomic_ref(*progress).store(data.address + data.payload.size());
     }
   }
   s.wait_for_machine(machine, progress);
   s.collective("the end of loading", [&] { return MPI_Barrier(s.comm); });
-  s.watchdog.set_witness({});
+  if (lacks_memory) throw std::runtime_error("there is no memory for its copy of the scene");
   return result;
 }
 

@@ -28,6 +28,7 @@ void Transport::broadcast(Channel channel, const Bytes& bytes) {
 }
 
 std::optional<Message> Transport::try_receive() {
+  last_turn_s_ = now_s();
   auto message = do_try_receive();
   if (message) count(message->source, Direction::to_host, message->channel, message->bytes);
   return message;

@@ -2,9 +2,11 @@
 // How messages travel between the host and its nodes. Both transports keep the order of messages between any
 // two ends, never block, and may lose what is sent to a process that is gone. Any thread may send; one
 // receives.
+#include <atomic>
 #include <memory>
 #include <optional>
 
+#include "protocol/clock.h"
 #include "protocol/traffic_meter.h"
 
 namespace rayfarm {
@@ -36,6 +38,9 @@ class Transport {
   /// The next message, if one has come. Malformed commands are counted as one message.
   std::optional<Message> try_receive();
 
+  /// When messages were last looked for (see now_s), for other threads to ask.
+  double last_turn_s() const { return last_turn_s_; }
+
   /// Only the host's transport has a meter.
   bool is_host() const { return meter_ != nullptr; }
   TrafficMeter* meter() { return meter_.get(); }
@@ -49,6 +54,7 @@ class Transport {
  private:
   void count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes);
   std::unique_ptr<TrafficMeter> meter_;
+  std::atomic<double> last_turn_s_ = now_s();
 };
 
 /// Sleeps longer the longer nothing happens, so that waiting costs almost no processor time.

@@ -199,6 +199,16 @@ class Output(JobTest):
             self.assertEqual(done.stdout, f"{self.folder / 'a.png'}\n")
             self.assertTrue((self.folder / "a.png").exists())
 
+    def test_texts_are_never_written_into_a_picture(self):
+        # With stderr closed the next file that is opened would take its place.
+        self.assertEqual(self.with_shell("").returncode, 0)
+        expected = (self.folder / "a.png").read_bytes()
+        for redirection in ("2>&-", "0<&- 2>&-", "0<&- 1>&- 2>&-"):
+            (self.folder / "a.png").unlink()
+            done = self.with_shell(redirection, "-v", "--progress", "tty")
+            self.assertEqual(done.returncode, 1 if "1>" in redirection else 0, redirection)
+            self.assertEqual((self.folder / "a.png").read_bytes(), expected, redirection)
+
     def test_names_that_can_not_be_told_are_an_error(self):
         done = self.with_shell(">/dev/full")
         self.assertEqual(done.returncode, 1)

@@ -5,6 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <map>
+
 #include "protocol/build_identity.h"
 #include "protocol/local_transport.h"
 
@@ -87,6 +89,23 @@ TEST(Heart, BeatsWhileTheProcessComputes) {
   EXPECT_EQ(beats(*ends[0]), 2);
   EXPECT_EQ(beats(*ends[1]), 2);
   EXPECT_EQ(beats(*ends[2]), 2);
+}
+
+TEST(Heart, FallsSilentWhenTheProcessHangs) {
+  const auto ends = make_local_transports(2);
+  ends[1]->try_receive();
+  ends[2]->try_receive();
+  {
+    const Heart hangs(*ends[1], 1.5), turns(*ends[2], 1.5);
+    for (int i = 0; i < 35; ++i) {
+      usleep(100'000);
+      ends[2]->try_receive();
+    }
+  }
+  std::map<int, int> beats;
+  while (const auto message = ends[0]->try_receive()) ++beats[message->source];
+  EXPECT_EQ(beats[1], 1);
+  EXPECT_EQ(beats[2], 3);
 }
 
 }  // namespace
