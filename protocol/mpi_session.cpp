@@ -141,7 +141,6 @@ class WindowBlock : public SharedBlock {
  public:
   WindowBlock(std::byte* data, size_t size) : data_(data), size_(size) {}
   std::span<const std::byte> bytes() const override { return {data_, size_}; }
-  bool is_shared() const override { return true; }
 
  private:
   std::byte* data_;  // the window itself is never freed: that would wait for the dead
@@ -155,7 +154,6 @@ class PrivateBlock : public SharedBlock {
     if (!data_) throw std::bad_alloc();
   }
   std::span<const std::byte> bytes() const override { return {data_.get(), size_}; }
-  bool is_shared() const override { return false; }
   std::byte* data() { return data_.get(); }
 
  private:

@@ -17,7 +17,6 @@ class SharedBlock {
  public:
   virtual ~SharedBlock() = default;
   virtual std::span<const std::byte> bytes() const = 0;
-  virtual bool is_shared() const = 0;
 };
 
 /// How a process leaves its job.

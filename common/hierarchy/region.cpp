@@ -3,6 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "common/hierarchy/builder.h"
+
 namespace rayfarm {
 namespace {
 
@@ -45,13 +47,9 @@ class Search {
       }
       const VolumeNode& node = nodes[child.first];
       for (size_t slot = 0; slot < 8; ++slot) {
-        if (node.children[slot].kind() == ChildKind::empty) continue;
-        Box box;
-        for (size_t k = 0; k < 3; ++k) {
-          box.lo[static_cast<int>(k)] = node.planes[0][k][slot];
-          box.hi[static_cast<int>(k)] = node.planes[1][k][slot];
-        }
-        if (may_hold(region, box)) stack.push_back(node.children[slot]);
+        const ChildRef& inside = node.children[slot];
+        if (inside.kind() != ChildKind::empty && may_hold(region, child_box(node, slot)))
+          stack.push_back(inside);
       }
     }
   }

@@ -383,7 +383,7 @@ class Splitter {
   std::optional<Candidate> try_split(uint32_t reference) const {
     const Box box = references_[reference].box();
     const Vec3 extent = box.extent();
-    const int axis = extent.x > extent.y ? (extent.x > extent.z ? 0 : 2) : (extent.y > extent.z ? 1 : 2);
+    const auto axis = static_cast<int>(largest_axis(extent));
     if (!(extent[axis] > 0)) return std::nullopt;
     // The first plane of the repeated halving that separates the box's ends.
     const double scale = 0x1p30 / (whole_.hi[axis] - whole_.lo[axis]);

@@ -1,5 +1,7 @@
 #include "common/scene/mtl_loader.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -113,9 +115,8 @@ class Loader {
     if (known != kKnown.end()) return note_once(fmt::format("`{}`", key), known->second);
     static const std::vector<std::string> kUsed{"newmtl", "Kd", "Ks", "Ke",    "Ns",
                                                 "Ni",     "d",  "Tr", "illum", "map_Kd"};
-    std::string used;
-    for (const std::string& name : kUsed) used += (used.empty() ? "" : ", ") + name;
-    note_once(fmt::format("`{}`", short_of(key)), "read are " + used + suggestion(key, kUsed));
+    note_once(fmt::format("`{}`", short_of(key)),
+              fmt::format("read are {}{}", fmt::join(kUsed, ", "), suggestion(key, kUsed)));
   }
 
   float number() {
@@ -145,7 +146,8 @@ class Loader {
       const std::string option(records_.word());
       if (option == "-o" || option == "-s" || option == "-t") {
         Vec3 v(option == "-s" ? 1 : 0);
-        for (int i = 0; i < 3 && records_.has_number(); ++i) v[i] = records_.number();
+        // The second and third may be left out, and a file's name may begin as a number does.
+        for (int i = 0; i < 3 && parse_number(records_.peek()); ++i) v[i] = records_.number();
         if (option == "-o") offset = Vec2(v);
         if (option == "-s") {
           if (v.x == 0 || v.y == 0) records_.fail("the scale of a map must not be 0");

@@ -75,6 +75,14 @@ TEST(MtlLoader, MapsOfColourAreUsed) {
   EXPECT_EQ(at(1, {0.375, 0.5}), Color(1, 0, 0));
 }
 
+TEST(MtlLoader, NamesThatBeginAsNumbersDoAreNames) {
+  write_two_colours("2nd.png");
+  const SceneDescription scene =
+      load_mesh("mtllib mesh.mtl\nusemtl a\n" + kTriangle + kFace, "newmtl a\nmap_Kd -s 2 3 2nd.png\n");
+  ASSERT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.textures[0].scale, Vec3(1.0 / 2, 1.0 / 3, 1));
+}
+
 TEST(MtlLoader, WrongMapsEndInAnErrorAtTheirPlace) {
   const auto expect = [](const std::string& mtl, const std::string& place, const std::string& problem) {
     const std::string error = error_of_mesh("mtllib mesh.mtl\n" + kTriangle + kFace, mtl);
