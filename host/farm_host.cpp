@@ -292,7 +292,10 @@ void FarmHost::tell_what_is_odd(const FrameResult& frame) const {
                     "bounds",
                     frame.frame, frame.not_finite));
   if (!frame.is_black && frame.sees_anything) return;
-  if (!frame.sees_anything)
+  const Image& image = options_.image;
+  if (!frame.sees_anything && image.window != PixelRect{0, 0, image.width_px, image.height_px})
+    tell_(fmt::format("frame {}: no object is seen in the part that --crop asks for", frame.frame));
+  else if (!frame.sees_anything)
     tell_(
         fmt::format("frame {}: the camera sees nothing of the scene; check the view's location and "
                     "direction (rayfarm info prints the scene's bounds)",

@@ -137,6 +137,7 @@ int main(int argc, char** argv) {
   int code = kRenderFailure;
   try {
     code = run(parse_command_line(argc, argv), argc, argv);
+    if (!flush_results() && code == kComplete) code = kRenderFailure;
   } catch (const std::exception& e) {
     say("rayfarm: {}\n", e.what());
     if (dynamic_cast<const InputError*>(&e) || dynamic_cast<const IoError*>(&e)) code = kSceneError;

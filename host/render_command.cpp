@@ -4,9 +4,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
 #include <future>
 
@@ -171,6 +169,7 @@ class RenderCommand {
  private:
   int render() {
     check_outputs(options_);
+    note_idle_options();
     RollCall roll_call(farm_.transport, result_);
     load(roll_call);
     return render_loaded(roll_call);
@@ -191,6 +190,20 @@ class RenderCommand {
       backoff.wait();
     }
     progress.clear();
+  }
+
+  /// Options that do nothing beside others are said.
+  void note_idle_options() const {
+    const RenderSettings& s = options_.settings;
+    const RenderSettings usual;
+    if (s.lighting != LightingModel::thesis &&
+        (s.diffuse_rays != usual.diffuse_rays || s.diffuse_reach != usual.diffuse_reach ||
+         s.diffuse_contrast != usual.diffuse_contrast || s.diffuse_jitter))
+      log_->warn("the --diffuse options belong to --lighting thesis, and do nothing here");
+    if (options_.policy == AssignmentPolicy::on_demand && !options_.rotates)
+      log_->warn("--no-rotation belongs to --assign interleaved, and does nothing here");
+    if (options_.local_nodes > 0 && !farm_.transport.is_one_process())
+      log_->warn("--local-nodes does nothing under mpirun: every rank but the host is a node");
   }
 
   JobPlan make_plan(const RenderSettings& settings) const {
@@ -296,13 +309,9 @@ class RenderCommand {
     if (!options_.is_quiet)
       say("{}",
           options_.is_full_report ? format_full_report(result_, meter, plan) : format_report(result_, meter));
-    bool is_told = true;
     for (const FrameResult& frame : result_.frames)
-      if (frame.is_written) is_told &= std::fprintf(stdout, "%s\n", frame.file.c_str()) >= 0;
-    is_told &= std::fflush(stdout) == 0;
-    if (!is_told)
-      log_->error("the names of the files written can't be printed on stdout: {}; the files are whole",
-                  std::strerror(errno));
+      if (frame.is_written) std::fprintf(stdout, "%s\n", frame.file.c_str());
+    bool is_told = flush_results();
     try {
       if (!options_.stats.empty())
         write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);

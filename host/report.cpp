@@ -58,7 +58,8 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
   fmt::format_to(out, "net      {:.2f} bytes per pixel in results; the thesis's model: {:.0f}\n",
                  bytes_per_received_pixel(result, meter), kModelBytesPerPixel);
   constexpr size_t kMostLosses = 3;
-  const std::vector<int> lost = result.lost_nodes();
+  // mpirun ends all nodes when it is stopped: that is no loss.
+  const std::vector<int> lost = result.was_interrupted ? std::vector<int>() : result.lost_nodes();
   for (size_t i = 0; i < std::min(lost.size(), kMostLosses); ++i) {
     const NodeResult& node = result.nodes[static_cast<size_t>(lost[i]) - 1];
     fmt::format_to(out, "lost     node {} on {} (process {}){}{}\n", node.id, node.machine, node.pid,

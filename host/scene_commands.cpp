@@ -119,6 +119,8 @@ int run_info(const std::string& path) {
 int run_compare(const CompareOptions& options) {
   constexpr uint64_t kMostPixels = uint64_t{65536} * 65536;  // of any picture that can be rendered
   ImageReader a(options.a, kMostPixels), b(options.b, kMostPixels);
+  if (holds_linear_light(options.a) != holds_linear_light(options.b))
+    say("rayfarm: one file holds linear light, the other sRGB: their numbers are compared as they are\n");
   if (a.width_px() != b.width_px() || a.height_px() != b.height_px()) {
     fmt::print("the sizes differ: {}×{} and {}×{}\n", a.width_px(), a.height_px(), b.width_px(),
                b.height_px());

@@ -94,7 +94,13 @@ void write_whole_file(const std::string& path, const std::function<void(std::FIL
       close(descriptor);
       fail();
     }
-    write(file.get());
+    try {
+      write(file.get());
+    } catch (const std::exception&) {
+      // A full disk is named as such, whatever the format's library made of it.
+      if (std::fputc(0, file.get()) == EOF || std::fflush(file.get()) != 0) fail();
+      throw;
+    }
     // Forced to its disk, so that a full one shows here.
     errno = 0;
     if (std::fflush(file.get()) != 0 || std::ferror(file.get()) || fsync(descriptor) != 0) fail();

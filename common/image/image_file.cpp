@@ -69,6 +69,11 @@ bool is_writable_image(const std::string& path) {
   return extension == ".exr" || extension == ".png";
 }
 
+bool holds_linear_light(const std::string& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".exr" || extension == ".hdr" || extension == ".pfm";
+}
+
 PixelFormat natural_format(const std::string& path) {
   return extension_of(path) == ".png" ? PixelFormat::rgb8 : PixelFormat::half_float;
 }

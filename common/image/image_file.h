@@ -12,6 +12,8 @@ std::string extension_of(const std::string& path);
 
 /// True if `path` ends in an extension that can be written: .exr or .png.
 bool is_writable_image(const std::string& path);
+/// True if files of this name hold linear light, false if they hold sRGB.
+bool holds_linear_light(const std::string& path);
 /// What a file of this name holds: PNG rgb8, EXR half.
 PixelFormat natural_format(const std::string& path);
 

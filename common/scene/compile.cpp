@@ -214,12 +214,16 @@ class Compiler {
     result.block = encode_scene(arrays_.view());
     result.scene = decode_scene(result.block.bytes());
     result.notes = description_.notes;
-    if (dropped_ > 0)
+    if (dropped_.count > 0)
       result.notes.add(
-          description_.source(),
-          fmt::format("{} polygons and triangles without area are left out: no ray can hit them", dropped_));
+          description_.source(dropped_.first),
+          fmt::format("{} polygon{} or triangle{} without area, or whose parts cancel each other, "
+                      "{} left out; cut what crosses itself into several",
+                      dropped_.count, dropped_.count == 1 ? "" : "s", dropped_.count == 1 ? "" : "s",
+                      dropped_.count == 1 ? "is" : "are"));
     luminaires_.add_notes(description_, result.notes);
     note_turned_lamps(description_, result.scene, luminaire_places_, result.notes);
+    note_turned_spots(description_, result.scene, result.notes);
     if (!result.scene.instances.empty() && is_dark(result.scene, {}))
       result.notes.add(description_.source(),
                        "nothing lights the scene, so pictures of it are black: it has no lights, nothing "
@@ -275,11 +279,15 @@ class Compiler {
     return static_cast<uint32_t>(arrays_.textures.size() - 1);
   }
 
+  void drop(const Place& place) {
+    if (dropped_.count++ == 0) dropped_.first = place;
+  }
+
   void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading,
                     const Place& place) {
     const Vec3 a(v[0]), b(v[1]), c(v[2]);
     if (max_magnitude(glm::cross(b - a, c - a)) == 0) {
-      ++dropped_;
+      drop(place);
       return;
     }
     const PrimitiveId id =
@@ -347,7 +355,7 @@ class Compiler {
     Polygon polygon;
     polygon.normal = normalized(newell_normal(shape.points));
     if (max_magnitude(polygon.normal) == 0) {
-      ++dropped_;
+      drop(p.place);
       return;
     }
     Vec3 center(0);
@@ -544,7 +552,10 @@ class Compiler {
   std::vector<std::vector<Luminous>> luminous_of_;  ///< by part
   std::vector<Place> luminaire_places_;
   std::map<const Curve*, uint32_t> curve_ids_;
-  size_t dropped_ = 0;
+  struct {
+    size_t count = 0;
+    Place first;
+  } dropped_;  ///< what no ray can hit
 };
 
 }  // namespace

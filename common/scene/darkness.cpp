@@ -1,12 +1,15 @@
 #include "common/scene/darkness.h"
 
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <tuple>
 
 #include "common/hierarchy/region.h"
 #include "common/hierarchy/traverser.h"
 #include "common/materials/scattering.h"
+#include "common/math/portable_math.h"
+#include "common/sampling/warps.h"
 #include "common/scene/camera.h"
 
 namespace rayfarm {
@@ -130,15 +133,44 @@ void note_turned_lamps(const SceneDescription& description, const Scene& scene, 
     if (!is_turned[i]) is_body_lit[bodies.of(i)] = true;
   size_t count = 0;
   Place first;
-  for (uint32_t i = 0; i < lamps.size(); ++i)
-    if (is_turned[i] && !is_body_lit[bodies.of(i)] && count++ == 0) first = places[i];
+  bool is_inward = false;
+  for (uint32_t i = 0; i < lamps.size(); ++i) {
+    if (!is_turned[i] || is_body_lit[bodies.of(i)] || count++ > 0) continue;
+    first = places[i];
+    is_inward = scene.materials[lamps[i].material].is_inward != 0;
+  }
   if (count == 0) return;
   notes.add(
       description.source(first),
       fmt::format("the lamp shines away from everything else{}{}: to the side from which its corners run "
-                  "counter-clockwise; turn their order round, or write `inward: true` in its luminaire",
+                  "{}clockwise; turn their order round, or {} `inward: true` in its luminaire",
                   scene.head().is_animated ? fmt::format(" at frame {}", frame) : "",
-                  count > 1 ? fmt::format(" ({} of them do)", count) : ""));
+                  count > 1 ? fmt::format(" ({} of them do)", count) : "", is_inward ? "" : "counter-",
+                  is_inward ? "leave out" : "write"));
+}
+
+void note_turned_spots(const SceneDescription& description, const Scene& scene, Notes& notes) {
+  size_t patience = kPatience;
+  for (size_t i = 0; i < scene.lights.size(); ++i) {
+    const Light& light = scene.lights[i];
+    if (light.kind != LightKind::spot || !(light.cosine_none > 0)) continue;
+    // A pyramid about the cone that it lights.
+    const double sine = std::sqrt(std::max(0.0, 1 - light.cosine_none * light.cosine_none));
+    const double slack = 1e-9 * max_magnitude(light.position);
+    std::vector<HalfSpace> cone;
+    for (int side = 0; side < 8; ++side) {
+      const double phi = side * std::numbers::pi / 4;
+      const Vec3 outwards = Frame(light.direction).to_world({portable_cos(phi), portable_sin(phi), 0});
+      const Vec3 n = sine * light.direction - light.cosine_none * outwards;
+      cone.push_back({n, glm::dot(n, light.position) - slack});
+    }
+    if (find_in_region(scene, cone, patience) == Presence::none && !scene.instances.empty())
+      notes.add(
+          description.source(),
+          fmt::format("light {} of `lights`, a spot, shines past everything{}; check its `position` and "
+                      "`direction`",
+                      i + 1, scene.head().is_animated ? " at the first frame" : ""));
+  }
 }
 
 bool is_dark(const Scene& scene, const RenderSettings& settings) {

@@ -13,6 +13,9 @@ namespace rayfarm {
 void note_turned_lamps(const SceneDescription& description, const Scene& scene, std::span<const Place> places,
                        Notes& notes);
 
+/// Notes spots in whose cones nothing lies.
+void note_turned_spots(const SceneDescription& description, const Scene& scene, Notes& notes);
+
 /// True if nothing that the lighting model takes light from shines: pictures are black, whatever they show.
 bool is_dark(const Scene& scene, const RenderSettings& settings);
 

@@ -153,7 +153,9 @@ struct SceneDescription {
   std::optional<std::array<int, 2>> frames;  ///< first and last
   Notes notes;                               ///< of loading
 
-  SourcePlace source(const Place& p) const { return {files.at(p.file), p.line, p.column}; }
+  SourcePlace source(const Place& p) const {
+    return files.empty() ? source() : SourcePlace{files.at(p.file), p.line, p.column};
+  }
   /// The scene as a whole, also if no file was read.
   SourcePlace source() const { return {files.empty() ? "the scene" : files[0]}; }
 };

@@ -226,7 +226,7 @@ Light read_light(const YamlValue& value, const std::string& folder, SceneDescrip
   if (!position && !direction)
     value.fail("a light has a `position` (a point), a `direction` (far away), or both (a spot)");
   if (position) light.position = position->vector();
-  if (direction) light.direction = normalized(direction->vector());
+  if (direction) light.direction = normalized(direction->direction());
   const auto falloff = map.find("falloff");
   if (!position) {
     light.kind = LightKind::distant;

@@ -52,8 +52,7 @@ void append_halves(std::span<const Color> row, std::vector<uint16_t>& texels) {
 std::vector<uint16_t> load_texels(const std::string& path, Texture& texture, uint64_t most_pixels,
                                   const std::stop_token& stop) {
   ImageReader reader(path, most_pixels);
-  const std::string extension = extension_of(path);
-  const bool is_linear = extension == ".exr" || extension == ".hdr" || extension == ".pfm";
+  const bool is_linear = holds_linear_light(path);
   const auto columns = static_cast<size_t>(reader.width_px()), rows = static_cast<size_t>(reader.height_px());
   texture.width_px = static_cast<uint32_t>(columns);
   texture.height_px = static_cast<uint32_t>(rows);

@@ -98,6 +98,18 @@ class Usage(JobTest):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--filter", "tent", says=["corners"])
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "poisson", "--samples", "2000", says=["1024"])
 
+    def test_a_light_without_a_direction(self):
+        scene = self.write("none.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nlights: [{direction: [0, 0, 0]}]\nscene: []\n")
+        self.expect(3, "check", scene, says=["none.yaml:2:", "must not be the zero vector"])
+
+    def test_options_that_do_nothing_are_said(self):
+        small = ["--size", "16x12", "--progress", "none"]
+        result = self.expect(0, "render", SCENE, "-o", self.folder / "a.png", "--diffuse-jitter", "--no-rotation", *small,
+                             says=["--lighting thesis, and do nothing", "--assign interleaved, and does nothing"])
+        result = self.expect(0, "render", SCENE, "-o", self.folder / "a.png", "--diffuse-rays", "3", "--lighting", "thesis", "--no-rotation",
+                             "--assign", "interleaved", *small)
+        self.assertNotIn("nothing", result.stderr)
+
     def test_impossible_material(self):
         scene = self.write("impossible.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {m: {lambertian: 1.5}}\nscene: []\n")
         self.expect(3, "render", scene, "-o", self.folder / "a.png", says=["impossible.yaml:2:", "1.5 times the light"])
@@ -127,14 +139,16 @@ class Output(JobTest):
         for name in ("a.exr", "a.png"):
             self.assertEqual(self.run_alone("render", SCENE, "-o", self.folder / name, *SMALL).code, 0)
         self.assertEqual(self.run_alone("compare", self.folder / "a.exr", self.folder / "a.exr").code, 0)
-        self.assertEqual(self.run_alone("compare", self.folder / "a.exr", self.folder / "a.png").code, 1)
+        mixed = self.run_alone("compare", self.folder / "a.exr", self.folder / "a.png")
+        self.assertEqual(mixed.code, 1)
+        self.assertIn("linear light", mixed.stderr)
 
     def test_full_disk(self):
         # /dev/full can't hold a rename; a tiny file-size limit fails the write in the same place as a full disk.
         result = subprocess.run(["bash", "-c", 'trap "" XFSZ; ulimit -f 1; exec "$@"', "bash", RAYFARM, "render", str(SCENE), "-o",
                                  str(self.folder / "a.png"), "--size", "256x256", "-q"], capture_output=True, text=True, env=ENVIRONMENT, timeout=60)
         self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertIn("can't be written", result.stderr)
+        self.assertIn("can't be written: File too large", result.stderr)
         self.assertEqual(list(self.folder.iterdir()), [])
 
     def test_skip_existing(self):
@@ -208,6 +222,12 @@ class Output(JobTest):
             done = self.with_shell(redirection, "-v", "--progress", "tty")
             self.assertEqual(done.returncode, 1 if "1>" in redirection else 0, redirection)
             self.assertEqual((self.folder / "a.png").read_bytes(), expected, redirection)
+
+    def test_tables_that_can_not_be_told_are_an_error(self):
+        for arguments in (["check", str(SCENE)], ["info", str(SCENE)], ["model", "--preset", "thesis"]):
+            done = subprocess.run(["bash", "-c", 'exec "$@" >/dev/full', "bash", RAYFARM, *arguments], capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 1, arguments)
+            self.assertIn("can't be printed on stdout", done.stderr)
 
     def test_names_that_can_not_be_told_are_an_error(self):
         done = self.with_shell(">/dev/full")

@@ -123,6 +123,35 @@ TEST(Darkness, ACameraThatSeesNothingIsNamed) {
   EXPECT_EQ(problem("location: [0, 0, 5], direction: [0, 0, -1]", ""), "the scene holds no objects");
 }
 
+TEST(Darkness, SpotsThatShinePastEverythingAreNamed) {
+  const auto is_named = [](const std::string& spot) {
+    return says(with_floor("", "lights: [{color: 1, position: [3, 3, 0], " + spot + "}]\n"),
+                "shines past everything");
+  };
+  // The floor's nearest edge is at x = 2, seen from (3, 3, 0) at 18.4° from straight down.
+  EXPECT_TRUE(is_named("direction: [0, 1, 0], angle: 5, dark_angle: 10"));
+  EXPECT_TRUE(is_named("direction: [0, -1, 0], angle: 5, dark_angle: 16"));
+  EXPECT_FALSE(is_named("direction: [0, -1, 0], angle: 5, dark_angle: 20"));
+  EXPECT_FALSE(is_named("direction: [-1, -1, 0], angle: 1, dark_angle: 2"));
+  EXPECT_FALSE(is_named("direction: [0, 1, 0], angle: 90, dark_angle: 179"));
+}
+
+TEST(Darkness, WhatIsSaidOfALampTurnedAwayFitsTheWayItShines) {
+  EXPECT_TRUE(says(with_floor("  - {material: lamp, " + kUp + "}\n"),
+                   "run counter-clockwise; turn their order round, or write"));
+  EXPECT_TRUE(says(with_floor("  - {material: back, " + kDown + "}\n"),
+                   "run clockwise; turn their order round, or leave out"));
+}
+
+TEST(Darkness, WhatCancelsItselfIsNamedAtItsPlace) {
+  EXPECT_TRUE(
+      says(with_floor("  - {material: m, polygon: {points: [[-1,-1,0],[1,1,0],[1,-1,0],[-1,1,0]]}}\n"),
+           "scene.yaml:5:"));
+  EXPECT_TRUE(
+      says(with_floor("  - {material: m, polygon: {points: [[-1,-1,0],[1,1,0],[1,-1,0],[-1,1,0]]}}\n"),
+           "1 polygon or triangle without area, or whose parts cancel each other, is left out"));
+}
+
 TEST(Darkness, RenderersCountEyeRaysThatMeetAnythingHoweverTheFrameIsCut) {
   const CompiledScene compiled = compile(test::load_yaml(
       test::view_text() + "background: 1\nscene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n"));

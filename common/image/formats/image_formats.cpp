@@ -62,7 +62,10 @@ rayfarm::OpenedImage rayfarm_open_image(int descriptor, const std::string& name,
                   static_cast<int>(std::max<uint64_t>(1, most_pixels * kMostBytesPerPixel >> 20)));
   std::string problem;
   try {
-    auto in = rayfarm::open_any("/proc/self/fd/" + std::to_string(descriptor), name, problem);
+    const std::string opened = "/proc/self/fd/" + std::to_string(descriptor);
+    auto in = rayfarm::open_any(opened, name, problem);
+    if (const size_t at = problem.find(opened); at != std::string::npos)
+      problem.replace(at, opened.size(), name);  // what the user calls it
     if (!in) return {nullptr, problem.empty() ? "it is no image" : problem};
     const int channels = in->spec().nchannels;
     if (channels < 3)
