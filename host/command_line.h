@@ -5,6 +5,7 @@
 
 #include "common/hierarchy/builder.h"
 #include "common/image/image_file.h"
+#include "common/scene/render_settings.h"
 #include "host/net/net_options.h"
 #include "host/progress.h"
 #include "protocol/job_plan.h"

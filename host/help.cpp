@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
-#include "common/scene/input_error.h"
+#include "common/errors/input_error.h"
 
 namespace rayfarm {
 namespace {

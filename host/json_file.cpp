@@ -1,6 +1,7 @@
 #include "host/json_file.h"
 
-#include "common/scene/scene_loaders.h"
+#include "common/description/formats/scene_loaders.h"
+#include "common/files/read_file.h"
 
 namespace rayfarm {
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "common/scene/input_error.h"
+#include "common/errors/input_error.h"
 #include "host/job_result.h"
 #include "host/json_file.h"
 #include "host/text_file.h"

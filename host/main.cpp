@@ -4,7 +4,7 @@
 #include <system_error>
 #include <thread>
 
-#include "common/scene/input_error.h"
+#include "common/errors/input_error.h"
 #include "host/console.h"
 #include "host/exit_code.h"
 #include "host/interrupt.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/scene/input_error.h"
+#include "common/errors/input_error.h"
 #include "common/scene/settings_codec.h"
 #include "host/exit_code.h"
 

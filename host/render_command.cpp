@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <future>
 
+#include "common/compile/compile.h"
 #include "common/scene/camera.h"
-#include "common/scene/compile.h"
 #include "common/scene/settings_codec.h"
 #include "host/console.h"
 #include "host/exit_code.h"

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/image/image_file.h"
+#include "common/scene/render_settings.h"
 #include "host/job_result.h"
 #include "protocol/job_plan.h"
 #include "protocol/traffic_meter.h"

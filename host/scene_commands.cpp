@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/scene/compile.h"
-#include "common/scene/darkness.h"
+#include "common/compile/compile.h"
+#include "common/compile/darkness.h"
 #include "host/console.h"
 #include "host/exit_code.h"
 

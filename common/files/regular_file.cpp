@@ -8,7 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "common/scene/input_error.h"
+#include "common/errors/input_error.h"
 
 namespace rayfarm {
 

@@ -12,8 +12,8 @@
 #include <filesystem>
 #include <random>
 
+#include "common/errors/input_error.h"
 #include "common/files/regular_file.h"
-#include "common/scene/input_error.h"
 
 namespace rayfarm {
 namespace {

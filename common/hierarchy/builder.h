@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "common/scene/scene.h"
-#include "common/scene/stop.h"
+#include "common/errors/stop.h"
+#include "common/scene/hierarchy_records.h"
 
 namespace rayfarm {
 
@@ -68,16 +68,5 @@ ChildRef build_sah(std::vector<PrimitiveReference> references, const PrimitiveSo
 ChildRef build_thesis(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
                       const BuildOptions& options, const LeafMaker& make_leaf,
                       std::vector<VolumeNode>& nodes);
-
-/// A traverser's stack must hold this many levels, one of them made by the structurer.
-inline constexpr int kMostHierarchyLevels = 72;
-
-/// A node with eight unused slots.
-VolumeNode make_empty_node();
-/// Stores a box outward: the float box holds the double one with a margin for the rounding of hit points.
-void set_child(VolumeNode& node, size_t slot, const Box& box, ChildRef child);
-/// The union of a node's child boxes.
-Box bounds_of(const VolumeNode& node);
-Box child_box(const VolumeNode& node, size_t slot);
 
 }  // namespace rayfarm

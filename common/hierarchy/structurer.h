@@ -1,6 +1,7 @@
 #pragma once
 // The structurer: turns the builder's leaves into the records that the traverser tests eight at a time.
 #include "common/hierarchy/builder.h"
+#include "common/shapes/sphere.h"
 
 namespace rayfarm {
 

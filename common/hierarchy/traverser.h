@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/hierarchy/hit.h"
 #include "common/hierarchy/pose.h"
 
 namespace rayfarm {

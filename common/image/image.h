@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/scene/render_settings.h"
+#include "common/image/pixel_format.h"
+#include "common/image/pixel_rect.h"
 
 namespace rayfarm {
 

@@ -5,11 +5,11 @@
 
 #include <filesystem>
 
+#include "common/errors/input_error.h"
 #include "common/files/regular_file.h"
 #include "common/files/whole_file.h"
 #include "common/image/exr_file.h"
 #include "common/image/png_file.h"
-#include "common/scene/input_error.h"
 
 namespace rayfarm {
 namespace {

@@ -3,13 +3,14 @@
 #include "common/lighting/diffuse_directions.h"
 #include "common/lighting/surface.h"
 #include "common/sampling/sampler.h"
+#include "common/scene/render_settings.h"
 
 namespace rayfarm {
 
 /// What is laid out once for all rays.
 struct SamplingTables {
   SamplingTables(const RenderSettings& with, int frame)
-      : settings(with), sampler(with, frame), diffuse_directions(diffuse_directions_of(with)) {}
+      : settings(with), sampler(with.sampler(), frame), diffuse_directions(diffuse_directions_of(with)) {}
 
   const RenderSettings& settings;
   Sampler sampler;

@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include "common/scene/scene_description.h"
-
 namespace rayfarm {
 namespace {
 

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "common/math/vector.h"
-#include "common/scene/render_settings.h"
 
 namespace rayfarm {
+
+enum class ColourModel : uint8_t { rgb, meyer4, spectral20 };
 
 /// Up to three nodes that rays carry together.
 struct ColourPass {

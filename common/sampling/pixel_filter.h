@@ -1,12 +1,14 @@
 #pragma once
 // Weighting functions of pixels, sampled by importance (Shirley, Sung and Brown 1991, section 2.2.2): a pixel
 // needs none of its neighbours' samples, so pictures don't depend on how they are cut.
+#include <cstdint>
 #include <vector>
 
 #include "common/math/vector.h"
-#include "common/scene/render_settings.h"
 
 namespace rayfarm {
+
+enum class FilterKind : uint8_t { box, tent, gaussian, mitchell };
 
 class PixelFilter {
  public:

@@ -80,8 +80,8 @@ Strata make_strata(uint32_t samples) {
   return strata;
 }
 
-Sampler::Sampler(const RenderSettings& settings, int frame)
-    : pattern_(settings.sampling),
+Sampler::Sampler(const SamplerSettings& settings, int frame)
+    : pattern_(settings.pattern),
       samples_(settings.samples),
       seed_(settings.seed),
       seed_bits_(mix_bits(settings.seed)),

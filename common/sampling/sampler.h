@@ -3,13 +3,21 @@
 // of dimensions: screen, lens, and what happens at each bounce. The pairs of one sample are linked at random,
 // which Cook calls uncorrelated jittering. A point is a function of (seed, frame, pixel, sample, dimension)
 // alone.
+#include <cstdint>
 #include <vector>
 
 #include "common/math/vector.h"
 #include "common/sampling/random.h"
-#include "common/scene/render_settings.h"
 
 namespace rayfarm {
+
+enum class SamplingPattern : uint8_t { sobol, regular, jittered, uncorrelated, n_rooks, poisson, corners };
+
+struct SamplerSettings {
+  SamplingPattern pattern = SamplingPattern::sobol;
+  uint32_t samples = 1;  ///< per pixel
+  uint64_t seed = 0;
+};
 
 /// Rows and columns of a pixel's strata: columns × rows = samples, as square as the number allows.
 struct Strata {
@@ -19,7 +27,7 @@ Strata make_strata(uint32_t samples);
 
 class Sampler {
  public:
-  Sampler(const RenderSettings& settings, int frame);
+  Sampler(const SamplerSettings& settings, int frame);
 
   /// The sample's point in [0, 1)². In the pattern's own order on the screen; in other dimensions the order
   /// of the cells is random.

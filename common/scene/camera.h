@@ -2,6 +2,7 @@
 // The view in one frame: the display polygon at distance one from the viewpoint (thesis 2.3.2, Equation 2.8).
 #include <optional>
 
+#include "common/math/ray.h"
 #include "common/scene/scene.h"
 
 namespace rayfarm {

@@ -1,34 +1,18 @@
 #pragma once
 // What the user asks of a render, beside the scene: today's "rendering code", which load code carries to
 // every node.
-#include <array>
-#include <cstdint>
-#include <string>
-
 #include "common/image/pixel_format.h"
+#include "common/image/pixel_rect.h"
+#include "common/materials/spectrum.h"
+#include "common/sampling/pixel_filter.h"
+#include "common/sampling/sampler.h"
 
 namespace rayfarm {
 
 enum class LightingModel : uint8_t { phong, torrance_sparrow, whitted, thesis, path };
-enum class SamplingPattern : uint8_t { sobol, regular, jittered, uncorrelated, n_rooks, poisson, corners };
-enum class ColourModel : uint8_t { rgb, meyer4, spectral20 };
-enum class FilterKind : uint8_t { box, tent, gaussian, mitchell };
 
 /// The depth of paths if nothing else is asked for: roulette ends nearly all long before.
 inline constexpr uint32_t kPathDepth = 100;
-
-/// A half-open rectangle of pixels, origin top left.
-struct PixelRect {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-  int width() const { return x1 - x0; }
-  int height() const { return y1 - y0; }
-  int64_t area() const { return int64_t{width()} * height(); }
-  bool operator==(const PixelRect&) const = default;
-  template <typename Archive>
-  void serialize(Archive& archive) {
-    archive(x0, y0, x1, y1);
-  }
-};
 
 /// Everything that a pixel's value depends on beside scene, frame and position.
 struct RenderSettings {
@@ -51,6 +35,8 @@ struct RenderSettings {
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;
+
+  SamplerSettings sampler() const { return {sampling, samples, seed}; }
 
   template <typename Archive>
   void serialize(Archive& archive) {

@@ -4,77 +4,23 @@
 #include <array>
 #include <span>
 
-#include "common/hierarchy/ray.h"
-#include "common/lighting/goniometry.h"
-#include "common/lighting/light.h"
 #include "common/materials/material.h"
 #include "common/math/affine.h"
+#include "common/scene/goniometry.h"
+#include "common/scene/hierarchy_records.h"
+#include "common/scene/light.h"
 #include "common/shapes/polygon.h"
 #include "common/shapes/quadric.h"
+#include "common/shapes/sphere.h"
 #include "common/textures/texture.h"
 
 namespace rayfarm {
-
-// ---- the hierarchy's records
-// ----------------------------------------------------------------------------------
-
-/// What a child slot of a volume node leads to. `meta` = kind << 29 | count.
-enum class ChildKind : uint32_t {
-  empty,
-  inner,      ///< first = node
-  triangles,  ///< first = triangle block, count blocks
-  spheres,    ///< first = sphere block, count blocks
-  mixed,      ///< first = index into leaf_primitives, count primitives (large or concave polygons, quadrics)
-  instances   ///< first = index into leaf_instances, count instances
-};
-struct ChildRef {
-  uint32_t first = 0;
-  uint32_t meta = 0;
-  ChildKind kind() const { return static_cast<ChildKind>(meta >> 29); }
-  uint32_t count() const { return meta & 0x1fffffffu; }
-};
-constexpr ChildRef make_child(ChildKind kind, uint32_t first, uint32_t count = 1) {
-  return {first, static_cast<uint32_t>(kind) << 29 | count};
-}
-
-/// Eight child boxes, structure of arrays, rounded outward; an unused slot is an inverted box. 256 bytes.
-struct alignas(64) VolumeNode {
-  std::array<std::array<std::array<float, 8>, 3>, 2> planes;  ///< [low, high][axis][child]
-  std::array<ChildRef, 8> children;
-};
-
-/// Up to eight triangles, structure of arrays: meshes' and those that small convex polygons are cut into.
-/// Unused lanes hold NaN, which no test accepts. 320 bytes.
-struct alignas(64) TriangleBlock {
-  std::array<std::array<std::array<float, 8>, 3>, 3> vertices;  ///< [vertex][axis][lane]
-  std::array<PrimitiveId, 8> primitives;                        ///< whose triangle it is
-};
-
-/// Up to eight spheres, structure of arrays; unused lanes hold NaN. 320 bytes with its padding.
-struct alignas(64) SphereBlock {
-  std::array<std::array<double, 8>, 3> center;  ///< [axis][lane]
-  std::array<double, 8> radius;
-  std::array<uint32_t, 8> spheres;
-};
-
-// ---- shapes and shading
-// ---------------------------------------------------------------------------------------
-
-struct SphereRecord {
-  Vec3 center{0};
-  double radius = 1;
-  uint32_t material = 0;
-  uint32_t padding = 0;
-};
 
 struct TriangleShading {
   uint32_t material = 0;
   uint32_t smoothing = 0;  ///< enum Smoothing
   std::array<uint32_t, 3> normals{kNone, kNone, kNone};
 };
-
-// ---- the object part
-// ------------------------------------------------------------------------------------------
 
 struct CurveRecord {
   uint32_t interpolation = 0;

@@ -2,11 +2,11 @@
 
 #include <cmath>
 
-#include "common/hierarchy/builder.h"
 #include "common/materials/presets.h"
 #include "common/scene/animation.h"
+#include "common/scene/hierarchy_records.h"
 #include "common/scene/scene_block.h"
-#include "common/scene/scene_description.h"
+#include "common/shapes/polygon.h"
 
 namespace rayfarm {
 namespace {

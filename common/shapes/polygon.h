@@ -9,6 +9,9 @@
 
 namespace rayfarm {
 
+/// How the normal varies over a polygon with normals at its nodes (thesis 2.3.5).
+enum class Smoothing : uint32_t { flat, phong, center };
+
 struct Polygon {
   Vec3 normal{0};  ///< unit; the front is where the corners run counter-clockwise
   double distance = 0;

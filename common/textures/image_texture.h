@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scene/stop.h"
+#include "common/errors/stop.h"
 #include "common/textures/texture.h"
 
 namespace rayfarm {

@@ -1,6 +1,6 @@
 #include "host/net/cost_map.h"
 
-#include "common/scene/input_error.h"
+#include "common/errors/input_error.h"
 #include "host/json_file.h"
 #include "host/text_file.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/scene/input_error.h"
+#include "common/errors/input_error.h"
 #include "host/exit_code.h"
 #include "host/json_file.h"
 #include "host/net/net_commands.h"

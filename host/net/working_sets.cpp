@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "common/compile/compile.h"
 #include "common/lighting/renderer.h"
-#include "common/scene/compile.h"
 #include "common/scene/scene_block.h"
 #include "host/exit_code.h"
 #include "host/net/table.h"

@@ -21,9 +21,9 @@
 #include <random>
 #include <set>
 
+#include "common/compile/compile.h"
 #include "common/lighting/surface.h"
 #include "common/scene/camera.h"
-#include "common/scene/compile.h"
 
 namespace {
 

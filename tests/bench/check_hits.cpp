@@ -10,8 +10,8 @@
 #include <random>
 #include <thread>
 
+#include "common/compile/compile.h"
 #include "common/hierarchy/traverser.h"
-#include "common/scene/compile.h"
 
 namespace {
 

@@ -4,8 +4,8 @@
 
 #include <random>
 
+#include "common/compile/compile.h"
 #include "common/hierarchy/pose.h"
-#include "common/scene/compile.h"
 
 namespace {
 

@@ -9,8 +9,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/description/formats/scene_loaders.h"
+#include "common/files/read_file.h"
 #include "common/scene/scene_block.h"
-#include "common/scene/scene_loaders.h"
 #include "common/scene/settings_codec.h"
 #include "protocol/clock.h"
 #include "protocol/protocol_error.h"

@@ -7,10 +7,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/compile/compile.h"
+#include "common/description/formats/ies_loader.h"
+#include "common/description/formats/scene_loaders.h"
+#include "common/files/read_file.h"
 #include "common/image/image_file.h"
-#include "common/scene/compile.h"
-#include "common/scene/ies_loader.h"
-#include "common/scene/scene_loaders.h"
 #include "common/scene/settings_codec.h"
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"

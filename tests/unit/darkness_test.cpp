@@ -1,5 +1,5 @@
 // Pictures that are black for a reason: what is said about it, and that nothing is said where there is none.
-#include "common/scene/darkness.h"
+#include "common/compile/darkness.h"
 
 #include "common/lighting/renderer.h"
 #include "tests/unit/test_scene.h"

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/errors/input_error.h"
 #include "common/files/whole_file.h"
 #include "common/image/half_float.h"
 #include "common/image/image_file.h"
-#include "common/scene/input_error.h"
 #include "common/textures/image_texture.h"
 #include "test_scene.h"
 

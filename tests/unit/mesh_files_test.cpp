@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "common/lighting/light.h"
+#include "common/scene/light.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {

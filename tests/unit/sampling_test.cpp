@@ -93,11 +93,7 @@ const std::vector<SamplingPattern> kPatterns{SamplingPattern::sobol,    Sampling
                                              SamplingPattern::n_rooks,  SamplingPattern::poisson};
 
 Sampler make_sampler(SamplingPattern pattern, uint32_t samples, uint64_t seed = 1, int frame = 0) {
-  RenderSettings settings;
-  settings.sampling = pattern;
-  settings.samples = samples;
-  settings.seed = seed;
-  return {settings, frame};
+  return {{pattern, samples, seed}, frame};
 }
 
 TEST(Patterns, AreUniformOverManyPixels) {

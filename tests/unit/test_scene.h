@@ -7,8 +7,8 @@
 #include <random>
 #include <string>
 
+#include "common/compile/compile.h"
 #include "common/image/image_file.h"
-#include "common/scene/compile.h"
 
 namespace rayfarm::test {
 

@@ -1,0 +1,20 @@
+#pragma once
+// Description to compiled scene: shapes become flat records, objects become parts with a volume hierarchy
+// below each, and the object tree is expanded into instances with a hierarchy of boxes over them.
+#include "common/description/scene_description.h"
+#include "common/hierarchy/builder.h"
+#include "common/scene/scene_block.h"
+
+namespace rayfarm {
+
+struct CompiledScene {
+  SceneBlock block;
+  Scene scene;  ///< a view into the block
+  Notes notes;  ///< of loading and compiling
+};
+
+/// Throws InputError for what only shows while compiling: a quadric that its planes don't bound, a view
+/// without a direction, an object that an animation flattens at its first frame.
+CompiledScene compile(const SceneDescription& description, const BuildOptions& options = {});
+
+}  // namespace rayfarm

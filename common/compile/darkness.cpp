@@ -1,0 +1,234 @@
+#include "common/compile/darkness.h"
+
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+
+#include "common/hierarchy/region.h"
+#include "common/hierarchy/traverser.h"
+#include "common/materials/scattering.h"
+#include "common/math/portable_math.h"
+#include "common/sampling/warps.h"
+#include "common/scene/camera.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr size_t kPatience = 20'000'000;  ///< boxes: under a second
+
+struct Lamp {
+  Vec3 normal{0};  ///< unit; towards where it shines
+  double d = 0;    ///< normal·p of its farthest corner
+  double size = 0;
+};
+
+/// A luminous polygon or triangle in the world.
+Lamp lamp_in_world(const Scene& scene, const Light& light) {
+  const InstancePose& pose = scene.poses[light.instance];
+  Lamp lamp;
+  double area = 0;
+  Vec3 normal = scene.luminaire_triangles[light.first_triangle].normal;
+  if (!pose.is_identity) normal = normalized(pose.object_from_world.normal_by_inverse(normal));
+  lamp.normal = scene.materials[light.material].is_inward ? -normal : normal;
+  lamp.d = -std::numeric_limits<double>::infinity();
+  for (LuminaireTriangle t : scene.luminaire_triangles.subspan(light.first_triangle, light.triangle_count)) {
+    for (Vec3& p : t.corners) {
+      if (!pose.is_identity) p = pose.world_from_object.point(p);
+      lamp.d = std::max(lamp.d, glm::dot(lamp.normal, p));
+    }
+    area += 0.5 * glm::length(glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]));
+  }
+  lamp.size = std::sqrt(area);
+  return lamp;
+}
+
+/// Luminaires that share corners are one body: the back of a luminous box may shine at nothing.
+class Bodies {
+ public:
+  Bodies(const Scene& scene, std::span<const Light> lamps) : body_(lamps.size()) {
+    std::iota(body_.begin(), body_.end(), 0u);
+    // In float, as some corners stand: a polygon tested as it is may be the cap of others.
+    std::map<std::tuple<uint32_t, float, float, float>, uint32_t> at;
+    for (uint32_t i = 0; i < lamps.size(); ++i)
+      for (const LuminaireTriangle& t :
+           scene.luminaire_triangles.subspan(lamps[i].first_triangle, lamps[i].triangle_count))
+        for (const Vec3& p : t.corners) {
+          const auto [found, is_new] = at.try_emplace(
+              {lamps[i].instance, static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+              i);
+          if (!is_new) body_[of(i)] = of(found->second);
+        }
+  }
+  uint32_t of(uint32_t lamp) {
+    while (body_[lamp] != lamp) lamp = body_[lamp] = body_[body_[lamp]];
+    return lamp;
+  }
+
+ private:
+  std::vector<uint32_t> body_;
+};
+
+/// What lies in front of the lamp by more than a hair's breadth: a lamp that is mounted on a ceiling need not
+/// touch it.
+bool shines_at_something(const Scene& scene, const Lamp& lamp, double hair, const Vec3& viewer,
+                         size_t& patience) {
+  constexpr double kGap = 0.02;  ///< of the lamp's size
+  const double gap = std::max(kGap * lamp.size, hair);
+  const HalfSpace front{lamp.normal, lamp.d + gap};
+  if (glm::dot(front.n, viewer) > front.d) return true;  // the camera looks at it
+  if (find_in_region(scene, std::span(&front, 1), patience) != Presence::none) return true;
+  const HalfSpace back{-lamp.normal, -lamp.d + gap};
+  return find_in_region(scene, std::span(&back, 1), patience) != Presence::certain;  // there is nothing else
+}
+
+/// Where the camera's rays go.
+std::vector<HalfSpace> seen_by(const Camera& camera, int width_px, int height_px) {
+  const Vec3 forward = glm::cross(camera.up, camera.right);
+  const Vec3 right = static_cast<double>(width_px) * camera.per_x,
+             down = static_cast<double>(height_px) * camera.per_y;
+  const std::array<Vec3, 4> corners{camera.top_left, camera.top_left + right, camera.top_left + right + down,
+                                    camera.top_left + down};
+  std::vector<HalfSpace> region;
+  const auto add = [&](const Vec3& inwards, double spread) {
+    // A lens moves rays by its radius, and by as much again at the distance where it is sharp.
+    const Vec3 n = inwards + (spread * camera.lens_radius / camera.focus) * forward;
+    region.push_back({n, glm::dot(n, camera.location) - spread * camera.lens_radius});
+  };
+  add(forward, 0);
+  for (size_t i = 0; i < 4; ++i) {
+    const Vec3 side = normalized(glm::cross(corners[i], corners[(i + 1) % 4]));
+    add(glm::dot(side, forward) > 0 ? side : -side, 1);
+  }
+  if (camera.has_lens()) return region;
+  for (int k = 0; k < 3; ++k)  // sharpens the pyramid's tip for boxes that are large beside it
+    for (const double sign : {-1.0, 1.0})
+      if (std::all_of(corners.begin(), corners.end(), [&](const Vec3& c) { return sign * c[k] >= 0; })) {
+        Vec3 n(0);
+        n[k] = sign;
+        add(n, 0);
+      }
+  return region;
+}
+
+}  // namespace
+
+void note_turned_lamps(const SceneDescription& description, const Scene& scene, std::span<const Place> places,
+                       Notes& notes) {
+  const std::span<const Light> lamps = scene.lights.subspan(scene.head().first_luminaire);
+  const double frame = description.frames ? (*description.frames)[0] : 0;
+  const Vec3 viewer(scene.eval(scene.head().view.location, frame));
+  Box bounds;
+  for (const InstancePose& pose : scene.poses) bounds.grow(pose.bounds);
+  const double hair = 1e-6 * bounds.magnitude();
+  size_t patience = kPatience;
+  std::vector<bool> is_turned(lamps.size());
+  for (size_t i = 0; i < lamps.size() && patience > 0; ++i)
+    is_turned[i] = lamps[i].triangle_count > 0 &&
+                   !shines_at_something(scene, lamp_in_world(scene, lamps[i]), hair, viewer, patience);
+  if (std::find(is_turned.begin(), is_turned.end(), true) == is_turned.end()) return;
+  Bodies bodies(scene, lamps);
+  std::vector<bool> is_body_lit(lamps.size());
+  for (uint32_t i = 0; i < lamps.size(); ++i)
+    if (!is_turned[i]) is_body_lit[bodies.of(i)] = true;
+  size_t count = 0;
+  Place first;
+  bool is_inward = false;
+  for (uint32_t i = 0; i < lamps.size(); ++i) {
+    if (!is_turned[i] || is_body_lit[bodies.of(i)] || count++ > 0) continue;
+    first = places[i];
+    is_inward = scene.materials[lamps[i].material].is_inward != 0;
+  }
+  if (count == 0) return;
+  notes.add(
+      description.source(first),
+      fmt::format("the lamp shines away from everything else{}{}: to the side from which its corners run "
+                  "{}clockwise; turn their order round, or {} `inward: true` in its luminaire",
+                  scene.head().is_animated ? fmt::format(" at frame {}", frame) : "",
+                  count > 1 ? fmt::format(" ({} of them do)", count) : "", is_inward ? "" : "counter-",
+                  is_inward ? "leave out" : "write"));
+}
+
+void note_turned_spots(const SceneDescription& description, const Scene& scene, Notes& notes) {
+  size_t patience = kPatience;
+  for (size_t i = 0; i < scene.lights.size(); ++i) {
+    const Light& light = scene.lights[i];
+    if (light.kind != LightKind::spot || !(light.cosine_none > 0)) continue;
+    // A pyramid about the cone that it lights.
+    const double sine = std::sqrt(std::max(0.0, 1 - light.cosine_none * light.cosine_none));
+    const double slack = 1e-9 * max_magnitude(light.position);
+    std::vector<HalfSpace> cone;
+    for (int side = 0; side < 8; ++side) {
+      const double phi = side * std::numbers::pi / 4;
+      const Vec3 outwards = Frame(light.direction).to_world({portable_cos(phi), portable_sin(phi), 0});
+      const Vec3 n = sine * light.direction - light.cosine_none * outwards;
+      cone.push_back({n, glm::dot(n, light.position) - slack});
+    }
+    if (find_in_region(scene, cone, patience) == Presence::none && !scene.instances.empty())
+      notes.add(
+          description.source(),
+          fmt::format("light {} of `lights`, a spot, shines past everything{}; check its `position` and "
+                      "`direction`",
+                      i + 1, scene.head().is_animated ? " at the first frame" : ""));
+  }
+}
+
+bool is_dark(const Scene& scene, const RenderSettings& settings) {
+  std::vector<bool> is_used(scene.materials.size());
+  for (const TriangleShading& t : scene.triangle_shading) is_used[t.material] = true;
+  for (const SphereRecord& s : scene.spheres) is_used[s.material] = true;
+  for (const Polygon& p : scene.polygons) is_used[p.material] = true;
+  for (const Quadric& q : scene.quadrics) is_used[q.material] = true;
+  const SceneHeader& head = scene.head();
+  if (head.background != Color(0)) return false;  // of an environment, too
+  for (const Light& light : scene.lights)
+    if (light.kind < LightKind::environment && light.color != Color(0)) return false;
+  for (size_t i = 0; i < is_used.size(); ++i) {
+    if (!is_used[i]) continue;
+    const Material& m = scene.materials[i];
+    if (is_luminaire(m)) return false;
+    const bool has_ambient = settings.lighting == LightingModel::path ? false
+                             : settings.lighting == LightingModel::thesis
+                                 ? settings.diffuse_reach > 0 && m.diffuse > 0
+                                 : m.ambient > 0;
+    if (has_ambient && (m.texture != kNone || m.color * head.ambient != Color(0)) && head.ambient != Color(0))
+      return false;
+  }
+  return true;
+}
+
+std::optional<std::string> nothing_in_view(const Scene& scene, double frame, int width_px, int height_px) {
+  if (scene.instances.empty())
+    return scene.head().environment == kNone ? std::optional<std::string>("the scene holds no objects")
+                                             : std::nullopt;
+  const Camera camera = make_camera(scene, frame, width_px, height_px);
+  size_t patience = kPatience;
+  switch (find_in_region(scene, seen_by(camera, width_px, height_px), patience)) {
+    case Presence::certain:
+      return std::nullopt;
+    case Presence::none: {
+      Box box;
+      for (const InstancePose& pose : scene.poses) box.grow(pose.bounds);
+      return fmt::format(
+          "the camera sees nothing: no object lies in its view; the middle of the scene is ({:.4g}, {:.4g}, "
+          "{:.4g}), and its size {:.4g}",
+          box.center().x, box.center().y, box.center().z, glm::length(box.extent()));
+    }
+    case Presence::possible:
+      break;
+  }
+  constexpr int kColumns = 64, kRows = 48;
+  FramePose pose(scene);
+  const Pose now = pose.at(frame);
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kColumns; ++x)
+      if (closest_hit(scene, now, camera.ray((x + 0.5) / kColumns * width_px, (y + 0.5) / kRows * height_px))
+              .is_hit())
+        return std::nullopt;
+  return fmt::format(
+      "the camera sees nothing, or hardly anything: of {} rays all over the picture none meets an "
+      "object",
+      kColumns * kRows);
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,26 @@
+#pragma once
+// Why pictures of a scene without fault may be black.
+#include <optional>
+
+#include "common/description/scene_description.h"
+#include "common/scene/render_settings.h"
+#include "common/scene/scene.h"
+
+namespace rayfarm {
+
+/// Notes luminous triangles and polygons that shine away from all there is; `places` are the luminaires', in
+/// the order of the scene's lights.
+void note_turned_lamps(const SceneDescription& description, const Scene& scene, std::span<const Place> places,
+                       Notes& notes);
+
+/// Notes spots in whose cones nothing lies.
+void note_turned_spots(const SceneDescription& description, const Scene& scene, Notes& notes);
+
+/// True if nothing that the lighting model takes light from shines: pictures are black, whatever they show.
+bool is_dark(const Scene& scene, const RenderSettings& settings);
+
+/// What to say if the camera of `frame` sees no object; nothing if it sees any, or may. `frame` is the
+/// scene's first. Throws std::domain_error if there is no such view.
+std::optional<std::string> nothing_in_view(const Scene& scene, double frame, int width_px, int height_px);
+
+}  // namespace rayfarm

@@ -1,0 +1,269 @@
+#include "common/description/formats/yaml_materials.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <numbers>
+
+#include "common/description/formats/ies_loader.h"
+#include "common/materials/fresnel.h"
+#include "common/materials/presets.h"
+#include "common/materials/scattering.h"
+#include "common/materials/spectrum.h"
+#include "common/math/portable_math.h"
+#include "common/sampling/warps.h"
+
+namespace rayfarm {
+namespace {
+
+/// Light that comes out must not be more than what went in.
+void require_energy(const YamlValue& value, bool is_allowed, double most, const std::string& what) {
+  if (most > 1 + 1e-9 && !is_allowed)
+    value.fail(
+        fmt::format("the material sends out {:.4g} times the light that it receives ({}); lower it to 1, or "
+                    "write `allow_impossible: true` if you want a surface that can't be",
+                    most, what));
+}
+
+double normal_reflectance(double index) {
+  return fresnel_dielectric(1, index);
+}
+
+double read_exponent(YamlMap& map) {
+  const auto v = map.find("exponent");
+  return v ? v->number_in(0, 1e6) : 0;
+}
+double read_index(YamlMap& map, double fallback) {
+  const auto v = map.find("index");
+  return v ? v->number_in(1e-3, 1e3) : fallback;
+}
+Color read_albedo(YamlMap& map, const char* key, const Color& fallback, bool is_allowed) {
+  const auto v = map.find(key);
+  if (!v) return fallback;
+  const Color c = v->color();
+  require_energy(*v, is_allowed, max_component(c), fmt::format("`{}`", key));
+  return c;
+}
+
+uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescription>& textures) {
+  if (value.is_map())
+    value.fail(
+        "`texture` names one that is defined under `textures`: `textures: {wall: {kind: bricks}}` at the top "
+        "of the "
+        "file, and `texture: wall` here");
+  const std::string name = value.text();
+  std::vector<std::string> names;
+  for (const TextureDescription& texture : textures) {
+    if (texture.name == name) return static_cast<uint32_t>(names.size());
+    names.push_back(texture.name);
+  }
+  value.fail_unknown("texture", names);
+}
+
+void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
+  const auto coefficient = [&map](const char* name, double& target) {
+    if (auto found = map.find(name)) target = found->number_in(0, 1e6);
+  };
+  if (auto c = map.find("color")) m.color = c->color();
+  coefficient("ambient", m.ambient);
+  coefficient("diffuse", m.diffuse);
+  coefficient("specular", m.specular);
+  coefficient("shininess", m.shininess);
+  coefficient("reflect", m.reflect);
+  coefficient("transmit", m.transmit);
+  m.index = read_index(map, 1);
+  require_energy(map.value(), is_allowed, max_component(m.color) * m.diffuse + m.reflect + m.transmit,
+                 "`color` × `diffuse` + `reflect` + `transmit`");
+}
+
+void read_conductor(const YamlValue& value, MaterialDescription& m) {
+  const auto use_preset = [&m](const YamlValue& at) {
+    const auto metal = find_conductor(at.text());
+    if (!metal) at.fail_unknown("metal", conductor_names(), "; n and k can be given, too");
+    m.metal = *metal;
+    for (int c = 0; c < 3; ++c) {
+      const ConductorConstants constants = conductor_at(*metal, ColourPass{}.wavelengths_nm[c]);
+      m.n[c] = constants.n;
+      m.k[c] = constants.k;
+    }
+  };
+  if (!value.is_map()) {
+    use_preset(value);
+  } else {
+    YamlMap map(value);
+    if (auto metal = map.find("metal")) {
+      use_preset(*metal);
+    } else {
+      m.n = map.require("n").color();
+      m.k = map.require("k").color();
+    }
+    m.exponent = read_exponent(map);
+    map.finish();
+  }
+  m.color = fresnel_conductor(1, m.n, m.k);
+  m.specular = m.reflect = luminance(m.color);
+}
+
+void read_dielectric(const YamlValue& value, MaterialDescription& m) {
+  m.index = 1.5;
+  if (!value.is_map()) {
+    const auto constants = find_dielectric(value.text());
+    if (!constants) value.fail_unknown("substance", dielectric_names(), "; an index can be given, too");
+    m.index = constants->index;
+    m.abbe = constants->abbe;
+  } else {
+    YamlMap map(value);
+    m.index = map.require("index").number_in(1e-3, 1e3);
+    if (auto filter = map.find("filter")) {
+      m.filter = filter->color();
+      require_energy(*filter, false, max_component(m.filter), "`filter`");
+    }
+    m.exponent = read_exponent(map);
+    if (auto abbe = map.find("abbe")) m.abbe = abbe->number_in(1, 1e6);
+    if (auto priority = map.find("priority")) m.priority = priority->whole_number_in(-1000, 1000);
+    map.finish();
+  }
+  m.reflect = m.specular = normal_reflectance(m.index);
+  m.transmit = 1 - m.reflect;
+}
+
+void read_polished(const YamlValue& value, MaterialDescription& m, bool is_allowed) {
+  YamlMap map(value);
+  m.color = read_albedo(map, "color", Color(0.5), is_allowed);
+  m.index = read_index(map, 1.5);
+  m.exponent = read_exponent(map);
+  map.finish();
+  m.reflect = m.specular = normal_reflectance(m.index);
+  m.diffuse = 1 - m.reflect;
+}
+
+void read_translucent(const YamlValue& value, MaterialDescription& m, bool is_allowed) {
+  YamlMap map(value);
+  m.color = read_albedo(map, "front", Color(0.5), is_allowed);
+  m.back = read_albedo(map, "back", m.color, is_allowed);
+  m.through = read_albedo(map, "through", Color(0.3), is_allowed);
+  map.finish();
+  require_energy(value, is_allowed, max_component(glm::max(m.color, m.back) + m.through),
+                 "`front` or `back` + `through`");
+  m.diffuse = 1;
+}
+
+void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allowed) {
+  YamlMap map(value);
+  m.color = read_albedo(map, "color", Color(0), is_allowed);
+  m.emission = map.require("emission").color();
+  m.exponent = read_exponent(map);
+  if (auto inward = map.find("inward")) m.is_inward = inward->boolean() ? 1 : 0;
+  map.finish();
+  m.diffuse = 1;
+}
+
+/// A diagram's horizontal angle 0 lies towards `toward`, as far as that is across the light's direction.
+Vec3 across(const Vec3& direction, const Vec3& toward) {
+  const Vec3 v = normalized(toward - glm::dot(toward, direction) * direction);
+  return max_magnitude(v) > 0 ? v : Frame(direction).tangent;
+}
+
+}  // namespace
+
+MaterialDescription read_material(const std::string& name, const YamlValue& value,
+                                  const std::vector<TextureDescription>& textures) {
+  YamlMap map(value);
+  MaterialDescription m(name);
+  const auto allow = map.find("allow_impossible");
+  const bool is_allowed = allow && allow->boolean();
+  static const std::vector<std::string> kFamilies{"lambertian", "conductor",   "dielectric",
+                                                  "polished",   "translucent", "luminaire"};
+  for (size_t family = 0; family < kFamilies.size(); ++family) {
+    const auto v = map.find(kFamilies[family]);
+    if (!v) continue;
+    if (m.kind != MaterialKind::classical) v->fail("a material is of one family only");
+    m.kind = static_cast<MaterialKind>(family + 1);
+    m.ambient = m.diffuse = m.specular = 0;
+    switch (m.kind) {
+      case MaterialKind::classical:
+        break;
+      case MaterialKind::lambertian: {
+        m.color = v->color();
+        require_energy(*v, is_allowed, max_component(m.color), "its colour");
+        m.diffuse = 1;
+        break;
+      }
+      case MaterialKind::conductor:
+        read_conductor(*v, m);
+        break;
+      case MaterialKind::dielectric:
+        read_dielectric(*v, m);
+        break;
+      case MaterialKind::polished:
+        read_polished(*v, m, is_allowed);
+        break;
+      case MaterialKind::translucent:
+        read_translucent(*v, m, is_allowed);
+        break;
+      case MaterialKind::luminaire:
+        read_luminaire(*v, m, is_allowed);
+        break;
+    }
+    if (m.exponent > 0) m.shininess = m.exponent;
+  }
+  if (auto texture = map.find("texture")) m.texture = find_texture(*texture, textures);
+  if (auto v = map.find("bump")) {
+    YamlMap bump(*v);
+    m.bump = find_texture(bump.require("texture"), textures);
+    m.bump_height = bump.require("height").number_in(-1e9, 1e9);
+    bump.finish();
+  }
+  if (m.kind == MaterialKind::classical) read_classical(map, m, is_allowed);
+  map.finish();
+  return m;
+}
+
+Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene) {
+  YamlMap map(value);
+  Light light;
+  const auto position = map.find("position"), direction = map.find("direction");
+  if (!position && !direction)
+    value.fail("a light has a `position` (a point), a `direction` (far away), or both (a spot)");
+  if (position) light.position = position->vector();
+  if (direction) light.direction = normalized(direction->direction());
+  const auto falloff = map.find("falloff");
+  if (!position) {
+    light.kind = LightKind::distant;
+    if (falloff) falloff->fail("a distant light has no falloff");
+  } else if (falloff && falloff->boolean()) {
+    light.kind = LightKind::bulb;
+  }
+  if (const auto ies = map.find("ies")) {
+    if (!position) ies->fail("a light with a photometric file stands somewhere: it needs a `position`");
+    light.kind = LightKind::bulb;
+    const auto zero = map.find("zero");
+    light.zero = across(light.direction, zero ? zero->direction() : Vec3(1, 0, 0));
+    light.diagram = static_cast<uint32_t>(scene.diagrams.size());
+    const std::string path = (std::filesystem::path(folder) / ies->text()).string();
+    DiagramDescription diagram;
+    try {
+      diagram.values = load_ies(path, diagram, ies->stop());
+    } catch (const IoError& e) {
+      ies->fail(e.what());
+    }
+    scene.diagrams.push_back(std::move(diagram));
+    scene.files.push_back(path);
+  } else if (position && direction) {
+    light.kind = LightKind::spot;
+    if (falloff && !falloff->boolean())
+      falloff->fail("a spot always falls off with the square of the distance");
+    const double radians = std::numbers::pi / 180;
+    const double full = map.require("angle").number_in(0, 180);
+    const auto dark = map.find("dark_angle");
+    const double none = dark ? dark->number_in(full, 180) : full;
+    light.cosine_full = portable_cos(full * radians);
+    light.cosine_none = portable_cos(none * radians);
+  }
+  if (auto v = map.find("color")) light.color = v->color();
+  if (auto v = map.find("intensity")) light.color *= v->number_in(0, 1e9);
+  map.finish();
+  return light;
+}
+
+}  // namespace rayfarm

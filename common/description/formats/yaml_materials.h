@@ -1,0 +1,13 @@
+#pragma once
+// Materials and lights of the YAML format. scenes/README.md is the manual.
+#include "common/description/formats/yaml_reader.h"
+
+namespace rayfarm {
+
+/// `textures`: those that the material may name.
+MaterialDescription read_material(const std::string& name, const YamlValue& value,
+                                  const std::vector<TextureDescription>& textures);
+/// Photometric files are read relative to the scene's folder and join its diagrams and files.
+Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene);
+
+}  // namespace rayfarm

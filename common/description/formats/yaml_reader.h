@@ -1,0 +1,79 @@
+#pragma once
+// Typed, checked access to a YAML document: every value that is wrong ends in an InputError at its place, and
+// every key that nobody asked for is an error with a suggestion.
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+#include <vector>
+
+#include "common/description/scene_description.h"
+
+namespace rayfarm {
+
+/// Bounds how much of a document is visited, so that anchors that multiply can't take for ever, and for how
+/// long.
+struct YamlBudget {
+  size_t nodes_left = 50'000'000;
+  std::stop_token stop;
+};
+
+/// A YAML node with the name of its file and of what it stands for. Whatever makes one throws Stopped.
+class YamlValue {
+ public:
+  YamlValue(const YAML::Node& node, std::string what, const std::string& file, YamlBudget& budget);
+
+  [[noreturn]] void fail(const std::string& problem) const;
+  /// Fails because none of `names` is meant; `otherwise` may say what else can stand here.
+  [[noreturn]] void fail_unknown(const std::string& kind, const std::vector<std::string>& names,
+                                 const std::string& otherwise = "") const;
+  Place place() const;
+  const std::string& what() const { return what_; }
+  const std::stop_token& stop() const { return budget_->stop; }
+  bool is_map() const { return node_.IsMap(); }
+  bool is_sequence() const { return node_.IsSequence(); }
+  bool is_null() const { return node_.IsNull(); }
+
+  double number() const;  ///< finite and of a sane size
+  double number_in(double least, double most) const;
+  int whole_number_in(int least, int most) const;
+  std::string text() const;
+  bool boolean() const;
+  Vec3 vector() const;
+  Vec3 direction() const;  ///< a vector that isn't zero
+  Color color() const;     ///< three numbers >= 0, or one for grey
+  std::vector<double> numbers() const;
+  /// The index of the text in `choices`.
+  size_t choice(const std::vector<std::string>& choices) const;
+
+  std::vector<YamlValue> items() const;
+  /// The entries of a map in the file's order: key and value.
+  std::vector<std::pair<YamlValue, YamlValue>> entries() const;
+
+ private:
+  YAML::Node node_;
+  YAML::Mark mark_;
+  std::string what_;
+  const std::string* file_;
+  YamlBudget* budget_;
+};
+
+/// A map whose keys are all known: construct it, ask for keys, then call `finish`.
+class YamlMap {
+ public:
+  explicit YamlMap(const YamlValue& value);
+  const YamlValue& value() const { return value_; }
+  bool has(const std::string& key);
+  YamlValue require(const std::string& key);
+  std::optional<YamlValue> find(const std::string& key);
+  /// Throws if the key is there, which means something elsewhere; `advice` says what is written here.
+  void refuse(const std::string& key, const std::string& advice) const;
+  /// Throws at the first key that was never asked for.
+  void finish() const;
+
+ private:
+  YamlValue value_;
+  std::vector<std::pair<YamlValue, YamlValue>> entries_;
+  std::vector<std::string> names_, known_;
+};
+
+}  // namespace rayfarm

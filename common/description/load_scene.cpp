@@ -1,0 +1,44 @@
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <set>
+
+#include "common/description/formats/scene_loaders.h"
+#include "common/files/regular_file.h"
+#include "common/image/image_file.h"
+
+namespace rayfarm {
+namespace {
+
+/// What to do with a file that is no scene.
+std::string advice_for(const std::string& path, const std::string& extension) {
+  static const std::set<std::string> kOtherMeshes{".3ds", ".abc",  ".blend", ".dae", ".fbx",
+                                                  ".glb", ".gltf", ".off",   ".ply", ".stl",
+                                                  ".usd", ".usda", ".usdc",  ".usdz"};
+  const bool is_other = kOtherMeshes.contains(extension);
+  if (extension != ".obj" && !is_other) return "";
+  std::filesystem::path mesh = std::filesystem::path(path).filename();
+  if (is_other) mesh.replace_extension(".obj");
+  return fmt::format("; {} .obj mesh{} goes into a .yaml scene: `- mesh: {{file: {}}}`",
+                     is_other ? "export it as an" : "an", is_other ? ", which" : "", mesh.string());
+}
+
+}  // namespace
+
+SceneDescription load_scene(const std::string& path, const std::stop_token& stop) try {
+  const std::string extension = extension_of(path);
+  SceneDescription scene;
+  if (extension == ".yaml" || extension == ".yml")
+    scene = load_yaml_scene(path, stop);
+  else if (extension == ".nff")
+    scene = load_nff_scene(path, stop);
+  else
+    throw IoError(fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff{}", path,
+                              extension, advice_for(path, extension)));
+  validate(scene, stop);
+  return scene;
+} catch (const std::bad_alloc&) {
+  throw IoError(fmt::format("{}: the scene and its files need more memory than there is", path));
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,173 @@
+#pragma once
+// A scene as its author wrote it: names, units and a tree of objects, with the place of everything in its
+// file. Loaders fill it; `compile` turns it into the flat arrays that nodes trace.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/errors/notes.h"
+#include "common/errors/stop.h"
+#include "common/materials/material.h"
+#include "common/scene/animation.h"
+#include "common/scene/goniometry.h"
+#include "common/scene/light.h"
+#include "common/shapes/polygon.h"
+#include "common/textures/texture.h"
+
+namespace rayfarm {
+
+/// Bounds on what a scene may ask for, so that hostile or damaged input ends in an error.
+namespace limits {
+inline constexpr uintmax_t kFileBytes = 4ull << 30;  ///< OBJ and NFF
+inline constexpr uintmax_t kYamlFileBytes = 256ull << 20;
+inline constexpr size_t kNestingDepth = 64;  ///< objects inside objects
+inline constexpr size_t kObjects = 1'000'000;
+inline constexpr size_t kPrimitives = 400'000'000;
+inline constexpr size_t kPolygonPoints = 1'000'000;
+inline constexpr size_t kQuadricPlanes = 16;
+inline constexpr size_t kInstances = 4'000'000;  ///< the object tree, expanded
+inline constexpr size_t kLights = 10'000;
+inline constexpr size_t kLuminaires = 100'000;  ///< luminous primitives, expanded
+inline constexpr size_t kKeys = 1'000'000;
+inline constexpr uint64_t kTexturePixels = 1ull << 28;  ///< of one image, 16384²: 2 GiB with its mip map
+inline constexpr uint64_t kTexels = 1ull << 30;         ///< of all images with their mip maps: 6 GiB
+inline constexpr double kCoordinate = 1e15;
+}  // namespace limits
+
+/// A compact place: an index into `SceneDescription::files`, line and column from 1 (0: unknown).
+struct Place {
+  uint32_t file = 0;
+  int line = 0;
+  int column = 0;
+};
+
+/// Classical: I = color (ambient Ia + diffuse sum S I cos) + specular sum S I cos^shininess + reflect R +
+/// transmit T (Equations 2.4 and 2.12, with a colour for the diffuse terms).
+struct MaterialDescription : Material {
+  MaterialDescription() = default;
+  explicit MaterialDescription(std::string of_name) : name(std::move(of_name)) {}
+  std::string name;
+};
+
+struct TextureDescription : Texture {
+  std::string name;
+  std::vector<uint16_t> texels;  ///< of an image
+};
+
+struct DiagramDescription : GoniometricDiagram {
+  std::vector<double> values;
+};
+
+/// The thesis's five parameters (2.3.2): location, direction, up, field of view, aspect ratio.
+struct ViewDescription {
+  Curve location = constant_curve(Vec4(0, 0, 5, 0));
+  Curve direction = constant_curve(Vec4(0, 0, -1, 0));
+  std::optional<Curve> look_at;  ///< replaces the direction
+  Curve up = constant_curve(Vec4(0, 1, 0, 0));
+  Curve field_of_view = constant_curve(Vec4(45, 0, 0, 0));  ///< degrees across the image's width
+  Curve focus = constant_curve(Vec4(1, 0, 0, 0));           ///< distance at which a lens is sharp
+  double lens_radius = 0;                                   ///< 0: a pinhole, all is sharp
+  double aspect = 4.0 / 3.0;                                ///< width / height
+  std::optional<std::array<int, 2>> resolution_px;
+
+  /// Width and height of pictures for which nobody asks another size.
+  std::array<int, 2> size_px() const {
+    return resolution_px.value_or(
+        std::array{640, std::clamp(static_cast<int>(std::lround(640 / aspect)), 1, 65536)});
+  }
+};
+
+struct SphereShape {
+  Vec3 center{0};
+  double radius = 1;
+};
+/// An open-ended cone or cylinder.
+struct ConeShape {
+  Vec3 base{0}, apex{0, 1, 0};
+  double base_radius = 1, apex_radius = 1;
+};
+/// a x² + b y² + c z² + 2d xy + 2e xz + 2f yz + 2g x + 2h y + 2i z + j = 0, kept where every plane has n·p <=
+/// d.
+struct QuadricShape {
+  std::array<double, 10> coefficients{};
+  std::vector<Vec4> planes;  ///< (n, d)
+};
+struct PolygonShape {
+  std::vector<Vec3> points;   ///< coplanar; counter-clockwise seen from the front
+  std::vector<Vec3> normals;  ///< empty, or one per point
+  Smoothing smoothing = Smoothing::phong;
+};
+/// Triangles over shared vertices. Positions are float, as stored in the scene block.
+struct MeshShape {
+  std::vector<glm::vec3> positions, normals;
+  std::vector<glm::uvec3> triangles;  ///< indices into positions
+  std::vector<glm::uvec3>
+      triangle_normals;             ///< empty, or one per triangle: indices into normals, ~0 for none
+  std::vector<uint32_t> materials;  ///< empty, or one per triangle
+  std::vector<glm::vec2> uvs;
+  std::vector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
+  Smoothing smoothing = Smoothing::flat;
+};
+using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PolygonShape, MeshShape>;
+
+struct PrimitiveDescription {
+  Shape shape;
+  uint32_t material = 0;
+  Place place;
+};
+
+struct ChildDescription {
+  uint32_t object = 0;
+  std::vector<TransformStep> transform;  ///< the first step is applied first
+  Place place;
+};
+
+/// A node of the object tree. An object may be the child of several others, but never of itself.
+struct ObjectDescription {
+  std::string name;
+  std::vector<PrimitiveDescription> primitives;
+  std::vector<ChildDescription> children;
+  Place place;
+};
+
+struct SceneDescription {
+  std::vector<std::string> files;  ///< every file read; [0] is the scene
+  ViewDescription view;
+  Color background{0};                            ///< times the environment, if there is one
+  std::optional<TextureDescription> environment;  ///< an image of all directions, seen behind the scene
+  double environment_turn = 0;                    ///< about y, in whole turns
+  Color ambient{1};                               ///< Ia
+  std::vector<Light> lights;                      ///< luminaires are found by their materials
+  std::vector<DiagramDescription> diagrams;       ///< that lights name
+  std::vector<MaterialDescription> materials;
+  std::vector<TextureDescription> textures;
+  std::vector<ObjectDescription> objects;
+  uint32_t root = 0;
+  std::optional<std::array<int, 2>> frames;  ///< first and last
+  Notes notes;                               ///< of loading
+
+  SourcePlace source(const Place& p) const {
+    return files.empty() ? source() : SourcePlace{files.at(p.file), p.line, p.column};
+  }
+  /// The scene as a whole, also if no file was read.
+  SourcePlace source() const { return {files.empty() ? "the scene" : files[0]}; }
+};
+
+/// Loads a scene by its extension (.yaml, .yml or .nff) and validates it: throws InputError or IoError, and
+/// Stopped soon after `stop` is requested.
+SceneDescription load_scene(const std::string& path, const std::stop_token& stop = {});
+
+/// The checks that hold for every format: finite numbers, planar polygons, counts, cycles, instances.
+/// Throws InputError at the place of the first fault, and Stopped. Materials named nowhere else get index
+/// checks here too.
+void validate(const SceneDescription& scene, const std::stop_token& stop = {});
+
+/// The instances that the object tree expands to, stopping at `most` + 1.
+size_t count_instances(const SceneDescription& description, size_t most);
+
+}  // namespace rayfarm

@@ -1,0 +1,19 @@
+#include "common/description/scene_images.h"
+
+#include "common/textures/image_texture.h"
+
+namespace rayfarm {
+
+void load_scene_image(SceneDescription& scene, const std::string& path, TextureDescription& texture,
+                      const std::stop_token& stop) {
+  uint64_t used = scene.environment ? scene.environment->texels.size() / 3 : 0;
+  for (const TextureDescription& t : scene.textures) used += t.texels.size() / 3;
+  // A mip map takes at most half as many texels again, in the worst case of an image one pixel wide as many.
+  const uint64_t left = limits::kTexels - std::min(limits::kTexels, used);
+  texture.kind = TextureKind::image;
+  texture.is_mapped = 1;
+  texture.texels = load_texels(path, texture, std::min(limits::kTexturePixels, left / 2), stop);
+  scene.files.push_back(path);
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,12 @@
+#pragma once
+// Images that a scene names.
+#include "common/description/scene_description.h"
+
+namespace rayfarm {
+
+/// Reads an image into `texture` and adds it to the scene's files. Throws IoError, also if the scene's images
+/// would have more pixels than `limits` allow, and Stopped.
+void load_scene_image(SceneDescription& scene, const std::string& path, TextureDescription& texture,
+                      const std::stop_token& stop);
+
+}  // namespace rayfarm
