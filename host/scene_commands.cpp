@@ -97,7 +97,7 @@ int run_info(const std::string& path) {
              s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
   if (scene.frames)
     fmt::print("  frames {} to {}{}\n", (*scene.frames)[0], (*scene.frames)[1],
-               s.head().is_animated ? ", objects move" : "");
+               !s.moving_instances.empty() ? ", objects move" : "");
   Box box;
   for (const InstancePose& pose : s.poses) box.grow(pose.bounds);
   if (!box.is_empty())

@@ -111,8 +111,7 @@ std::vector<HalfSpace> seen_by(const Camera& camera, int width_px, int height_px
   return region;
 }
 
-}  // namespace
-
+/// Luminous triangles and polygons that shine away from all there is.
 void note_turned_lamps(const SceneDescription& description, const Scene& scene, std::span<const Place> places,
                        Notes& notes) {
   const std::span<const Light> lamps = scene.lights.subspan(scene.head().first_luminaire);
@@ -144,11 +143,12 @@ void note_turned_lamps(const SceneDescription& description, const Scene& scene, 
       description.source(first),
       fmt::format("the lamp shines away from everything else{}{}: to the side from which its corners run "
                   "{}clockwise; turn their order round, or {} `inward: true` in its luminaire",
-                  scene.head().is_animated ? fmt::format(" at frame {}", frame) : "",
+                  !scene.moving_instances.empty() ? fmt::format(" at frame {}", frame) : "",
                   count > 1 ? fmt::format(" ({} of them do)", count) : "", is_inward ? "" : "counter-",
                   is_inward ? "leave out" : "write"));
 }
 
+/// Spots in whose cones nothing lies.
 void note_turned_spots(const SceneDescription& description, const Scene& scene, Notes& notes) {
   size_t patience = kPatience;
   for (size_t i = 0; i < scene.lights.size(); ++i) {
@@ -169,8 +169,21 @@ void note_turned_spots(const SceneDescription& description, const Scene& scene, 
           description.source(),
           fmt::format("light {} of `lights`, a spot, shines past everything{}; check its `position` and "
                       "`direction`",
-                      i + 1, scene.head().is_animated ? " at the first frame" : ""));
+                      i + 1, !scene.moving_instances.empty() ? " at the first frame" : ""));
   }
+}
+
+}  // namespace
+
+void add_notes_of_darkness(const SceneDescription& description, const Scene& scene,
+                           std::span<const Place> luminaire_places, Notes& notes) {
+  note_turned_lamps(description, scene, luminaire_places, notes);
+  note_turned_spots(description, scene, notes);
+  if (!scene.instances.empty() && is_dark(scene, {}))
+    notes.add(description.source(),
+              "nothing lights the scene, so pictures of it are black: it has no lights, nothing "
+              "luminous, no background or environment, and no material shows ambient light; add "
+              "`lights`, or a material with a `luminaire`");
 }
 
 bool is_dark(const Scene& scene, const RenderSettings& settings) {
@@ -218,7 +231,7 @@ std::optional<std::string> nothing_in_view(const Scene& scene, double frame, int
       break;
   }
   constexpr int kColumns = 64, kRows = 48;
-  FramePose pose(scene);
+  FrameState pose(scene);
   const Pose now = pose.at(frame);
   for (int y = 0; y < kRows; ++y)
     for (int x = 0; x < kColumns; ++x)

@@ -8,13 +8,10 @@
 
 namespace rayfarm {
 
-/// Notes luminous triangles and polygons that shine away from all there is; `places` are the luminaires', in
+/// Notes lamps and spots that shine at nothing, and a scene that nothing lights; `luminaire_places` are in
 /// the order of the scene's lights.
-void note_turned_lamps(const SceneDescription& description, const Scene& scene, std::span<const Place> places,
-                       Notes& notes);
-
-/// Notes spots in whose cones nothing lies.
-void note_turned_spots(const SceneDescription& description, const Scene& scene, Notes& notes);
+void add_notes_of_darkness(const SceneDescription& description, const Scene& scene,
+                           std::span<const Place> luminaire_places, Notes& notes);
 
 /// True if nothing that the lighting model takes light from shines: pictures are black, whatever they show.
 bool is_dark(const Scene& scene, const RenderSettings& settings);

@@ -17,6 +17,7 @@ ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& opti
     references[i] = make_reference(i, source.bounds(i));
   }
   if (options.progress) options.progress->total += references.size();
+  if (options.structure == Structure::list) return make_leaf(references);
   const auto build = options.rule == SplitRule::sah ? build_sah : build_thesis;
   return build(std::move(references), source, options, make_leaf, nodes);
 }

@@ -48,6 +48,7 @@ struct BuildProgress {
 struct BuildOptions {
   SplitRule rule = SplitRule::sah;
   uint32_t max_primitives = 8;  ///< a volume with at most this many is a leaf (the thesis used 4 to 30)
+  Structure structure = Structure::volumes;
   BuildProgress* progress = nullptr;
   std::stop_token stop{};  ///< a build that was asked to stop throws Stopped
 };
@@ -62,7 +63,7 @@ using LeafMaker = std::function<ChildRef(std::span<const PrimitiveReference>)>;
 ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
                          const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes);
 
-/// The two rules (sah_builder.cpp, thesis_builder.cpp). `references` is not empty.
+/// The two rules for volumes (sah_builder.cpp, thesis_builder.cpp). `references` is not empty.
 ChildRef build_sah(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
                    const BuildOptions& options, const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes);
 ChildRef build_thesis(std::vector<PrimitiveReference> references, const PrimitiveSource& source,

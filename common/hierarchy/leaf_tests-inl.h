@@ -129,6 +129,7 @@ HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PrimitiveRay& r
 class ClosestHit {
  public:
   static constexpr bool kNearestFirst = true;
+  static constexpr bool kCounts = false;
   ClosestHit() = default;
   /// `hit.t` bounds the search.
   ClosestHit(const Scene& scene, Hit& hit) : scene_(&scene), hit_(&hit), t_far_(widened(hit.t)) {}
@@ -208,6 +209,7 @@ class ClosestHit {
 class AnyHit {
  public:
   static constexpr bool kNearestFirst = false;  // the sorting would cost more than it saves
+  static constexpr bool kCounts = false;
   AnyHit() = default;
   AnyHit(const Scene& scene, double t_max) : scene_(&scene), t_max_(t_max), t_far_(widened(t_max)) {}
   float t_far() const { return t_far_; }

@@ -14,7 +14,8 @@ class Search {
       : scene_(scene), world_(region.begin(), region.end()), local_(world_), patience_(patience) {}
 
   Presence run() {
-    walk(scene_.head().object_root, scene_.object_part_nodes, world_);
+    walk(scene_.head().fixed_root, scene_.fixed_nodes, world_);
+    walk(scene_.head().moving_root, scene_.moving_nodes, world_);
     return found_;
   }
 

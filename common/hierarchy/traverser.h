@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/hierarchy/frame_state.h"
 #include "common/hierarchy/hit.h"
-#include "common/hierarchy/pose.h"
 
 namespace rayfarm {
 

@@ -88,7 +88,7 @@ PrimitivePoint point_by_angle(const SphereRecord& sphere, const Vec3& p, double 
 
 LightSample sample_luminaire(const Scene& scene, const Pose& pose, const Light& light, const Vec3& p,
                              const Vec2& u) {
-  const InstancePose& place = pose.instances[light.instance];
+  const InstancePose& place = pose[light.instance];
   const Material& material = scene.materials[light.material];
   LightSample result;
   PrimitivePoint point;
@@ -158,7 +158,7 @@ LightSample sample_light(const Scene& scene, const Pose& pose, const Light& ligh
 
 double light_pdf(const Scene& scene, const Pose& pose, const Light& light, const Vec3& origin,
                  const Surface& surface) {
-  const InstancePose& place = pose.instances[light.instance];
+  const InstancePose& place = pose[light.instance];
   double distance2;
   if (is_sampled_by_angle(scene, place, light, origin, distance2))
     return cone_pdf(one_minus_cosine(scene.spheres[light.primitive.index()], distance2));

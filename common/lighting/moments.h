@@ -2,7 +2,7 @@
 // What moves, at the moments of a frame while the shutter is open (Cook, Porter, Carpenter 1984).
 #include <deque>
 
-#include "common/hierarchy/pose.h"
+#include "common/hierarchy/frame_state.h"
 #include "common/scene/camera.h"
 #include "common/scene/render_settings.h"
 
@@ -30,7 +30,7 @@ class Moments {
 
  private:
   Scene scene_;
-  std::deque<FramePose> poses_;
+  std::deque<FrameState> poses_;
   std::vector<Moment> moments_;
 };
 

@@ -78,8 +78,8 @@ class Finder {
 std::vector<SmallObject> find_small_objects(const Scene& scene, const Pose& pose, const Camera& camera,
                                             const PixelRect& crop) {
   Finder finder(scene, camera, crop);
-  for (size_t i = 0; i < scene.instances.size(); ++i)
-    finder.add_part(scene.parts[scene.instances[i].part], pose.instances[i]);
+  for (uint32_t i = 0; i < scene.instances.size(); ++i)
+    finder.add_part(scene.parts[scene.instances[i].part], pose[i]);
   return finder.take();
 }
 

@@ -2,7 +2,7 @@
 // Objects smaller than a pixel, which rays could meet in one frame and miss in the next (thesis 2.3.2).
 #include <vector>
 
-#include "common/hierarchy/pose.h"
+#include "common/hierarchy/frame_state.h"
 #include "common/scene/camera.h"
 #include "common/scene/render_settings.h"
 

@@ -94,7 +94,7 @@ double magnitude_in_world(const InstancePose& place, double local) {
 }
 
 Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit) {
-  const InstancePose& place = pose.instances[hit.instance];
+  const InstancePose& place = pose[hit.instance];
   Surface surface;
   surface.p = ray.origin + hit.t * ray.direction;
   double magnitude =

@@ -83,7 +83,7 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
 Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit,
                   const Material& material, double width, Surface& surface) {
   Material result = material;
-  const InstancePose& place = pose.instances[hit.instance];
+  const InstancePose& place = pose[hit.instance];
   const Vec3 p_world = ray.origin + hit.t * ray.direction;
   const Vec3 p = place.is_identity ? p_world : place.object_from_world.point(p_world);
   const Frame frame(surface.geometric_normal);

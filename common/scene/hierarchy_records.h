@@ -9,6 +9,12 @@
 
 namespace rayfarm {
 
+/// How a part's primitives are found.
+enum class Structure : uint32_t {
+  volumes,  ///< a tree of volumes (thesis 4.2)
+  list      ///< one by one, all of them: for parts of few primitives, and as the judge of the others
+};
+
 /// What a child slot of a volume node leads to. `meta` = kind << 29 | count.
 enum class ChildKind : uint32_t {
   empty,

@@ -99,19 +99,22 @@ class TreeChecks {
 };
 
 void check_hierarchy(const Scene& s) {
-  TreeChecks volumes(s, s.nodes), objects(s, s.object_part_nodes);
+  TreeChecks volumes(s, s.nodes), fixed(s, s.fixed_nodes), moving(s, s.moving_nodes);
   OwnRanges triangles(s.triangle_blocks.size(), "a part's triangles"),
       spheres(s.sphere_blocks.size(), "a part's spheres"),
       primitives(s.leaf_primitives.size(), "a part's primitives");
   for (const Part& part : s.parts) {
+    require(part.structure <= Structure::list, "a part's structure");
     volumes.check_root(part.root, false);
     triangles.take(part.first_triangle_block, part.triangle_block_count);
     spheres.take(part.first_sphere_block, part.sphere_block_count);
     primitives.take(part.first_leaf_primitive, part.leaf_primitive_count);
   }
   volumes.check_nodes(false);
-  objects.check_root(s.head().object_root, true);
-  objects.check_nodes(true);
+  fixed.check_root(s.head().fixed_root, true);
+  fixed.check_nodes(true);
+  moving.check_root(s.head().moving_root, true);
+  moving.check_nodes(true);
   for (const uint32_t i : s.leaf_instances) require(i < s.instances.size(), "a leaf's instance");
 }
 
@@ -269,7 +272,12 @@ void check_motion(const Scene& s) {
   }
   require(s.poses.size() == s.instances.size(), "the poses");
   for (const Instance& i : s.instances)
-    require(i.object_node < s.object_nodes.size() && i.part < s.parts.size(), "an instance");
+    require(i.object_node < s.object_nodes.size() && i.part < s.parts.size() &&
+                (i.moving == kNone || i.moving < s.moving_instances.size()),
+            "an instance");
+  for (size_t m = 0; m < s.moving_instances.size(); ++m)
+    require(s.moving_instances[m] < s.instances.size() && s.instances[s.moving_instances[m]].moving == m,
+            "a moving instance");
 }
 
 }  // namespace

@@ -231,7 +231,7 @@ struct Subject {
   std::string name;
   SceneDescription description;
   CompiledScene compiled;
-  std::unique_ptr<FramePose> pose;
+  std::unique_ptr<FrameState> pose;
   std::vector<RaySet> sets;
 };
 
@@ -361,7 +361,7 @@ int main(int argc, char** argv) {
       subject->name = std::filesystem::path(argument).stem().string();
       subject->description = load_scene(argument);
       subject->compiled = compile(subject->description);
-      subject->pose = std::make_unique<FramePose>(subject->compiled.scene);
+      subject->pose = std::make_unique<FrameState>(subject->compiled.scene);
       subject->sets = make_rays(subject->compiled.scene, subject->pose->at(0));
       subjects.push_back(std::move(subject));
     }

@@ -110,7 +110,7 @@ class Checker {
   }
 
   const Scene& scene_;
-  FramePose frame_pose_;
+  FrameState frame_pose_;
   Pose pose_;
   Box bounds_;
 };

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "common/compile/compile.h"
-#include "common/hierarchy/pose.h"
+#include "common/hierarchy/frame_state.h"
 
 namespace {
 
@@ -35,7 +35,7 @@ CompiledScene make_swarm(int64_t objects) {
 
 void refit_frame(benchmark::State& state) {
   const CompiledScene compiled = make_swarm(state.range(0));
-  FramePose pose(compiled.scene);
+  FrameState pose(compiled.scene);
   double frame = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(pose.at(frame));

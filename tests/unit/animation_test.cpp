@@ -43,8 +43,8 @@ TEST(Curve, RotationsTakeTheShorterArc) {
 
 TEST(Animation, RefitFindsWhatBruteForceFindsInEveryFrame) {
   const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/animation.yaml"));
-  ASSERT_EQ(compiled.scene.head().is_animated, 1u);
-  FramePose frame_pose(compiled.scene);
+  ASSERT_FALSE(compiled.scene.moving_instances.empty());
+  FrameState frame_pose(compiled.scene);
   for (const int frame : {1, 7, 24}) {
     const Pose pose = frame_pose.at(frame);
     const Camera camera = make_camera(compiled.scene, frame, 60, 45);
@@ -59,6 +59,27 @@ TEST(Animation, RefitFindsWhatBruteForceFindsInEveryFrame) {
         hits += fast.is_hit() && fast.instance > 0 ? 1 : 0;
       }
     EXPECT_GT(hits, 50);
+  }
+}
+
+TEST(Animation, FrameStateHoldsOnlyWhatMoves) {
+  std::string text = test::view_text() +
+                     "frames: [0, 4]\nobjects: {ball: {sphere: {center: [0, 0, 0], radius: 0.1}}}\nscene:\n";
+  for (int i = 0; i < 40; ++i)
+    text += fmt::format(
+        "  - {{use: ball, transform: {{translate: {}}}}}\n",
+        i % 10 == 3 ? fmt::format("{{0: [{0}, 0, 0], 4: [{0}, 2, 0]}}", i) : fmt::format("[{}, 0, 0]", i));
+  const CompiledScene compiled = compile(test::load_yaml(text));
+  const Scene& scene = compiled.scene;
+  ASSERT_EQ(scene.instances.size(), 40u);
+  ASSERT_EQ(scene.moving_instances.size(), 4u);
+  EXPECT_EQ(scene.moving_nodes.size(), 1u);
+  FrameState state(scene);
+  const Pose pose = state.at(2);
+  EXPECT_NE(pose.moving_nodes(), scene.moving_nodes.data());
+  for (uint32_t i = 0; i < 40; ++i) {
+    EXPECT_EQ(&pose[i] == &scene.poses[i], i % 10 != 3) << "what never moves is read in the block";
+    EXPECT_EQ(pose[i].world_from_object.translation, Vec3(i, i % 10 == 3 ? 1 : 0, 0));
   }
 }
 

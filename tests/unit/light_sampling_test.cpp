@@ -40,7 +40,7 @@ struct Lit {
         frame_pose(compiled.scene),
         pose(frame_pose.at(0)) {}
   CompiledScene compiled;
-  FramePose frame_pose;
+  FrameState frame_pose;
   Pose pose;
 };
 

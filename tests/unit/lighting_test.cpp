@@ -20,7 +20,7 @@ struct World {
     return color;
   }
   CompiledScene compiled;
-  FramePose frame_pose;
+  FrameState frame_pose;
   Pose pose;
   RenderSettings settings;
   RayCounts counts;
@@ -143,7 +143,7 @@ TEST_P(SceneScale, NeitherAcneNorLeaks) {
     const Vec3 eye = at + Vec3(4, 1, 30) * s;
     scene.lights.push_back({.position = eye});
     const CompiledScene compiled = compile(scene);
-    FramePose frame_pose(compiled.scene);
+    FrameState frame_pose(compiled.scene);
     const Pose pose = frame_pose.at(0);
     int hits = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -184,7 +184,7 @@ TEST(Lighting, MeshesOfAnyScaleShadowThemselvesOnlyWhereTheyShould) {
       mesh.triangles.push_back(t);
     scene.objects[0].primitives.push_back({mesh, 0, {}});
     const CompiledScene compiled = compile(scene);
-    FramePose frame_pose(compiled.scene);
+    FrameState frame_pose(compiled.scene);
     const Pose pose = frame_pose.at(0);
     std::mt19937 random(4);
     const Vec3 center = s * Vec3(10, 20, 30);

@@ -33,7 +33,7 @@ struct Probe {
     return sum / static_cast<double>(samples);
   }
   CompiledScene compiled;
-  FramePose frame_pose;
+  FrameState frame_pose;
   Pose pose;
   RenderSettings settings;
   RayCounts counts;

@@ -66,6 +66,7 @@ scene:
   - polygon: {points: [[-3, -1, -3], [3, -1, -3], [3, -1, 3], [0, -1, 0], [-3, -1, 3]],
               normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]]}
   - {material: gold, use: pair, transform: [{rotate: {axis: [0, 0, 1], degrees: {0: 0, 4: 90}}}, {translate: [0, 1, 0]}]}
+  - {use: pair, transform: {translate: [0, -2, 0]}}
   - {use: pair, transform: {orient: {0: {axis: [0, 1, 0], degrees: 0}, 4: {axis: [0, 1, 0], degrees: 90}}}}
 )";
   for (int i = 0; i < 12; ++i)
@@ -139,7 +140,7 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
     return slot;
   };
   expect_refusal<VolumeNode>(
-      compiled, &Scene::object_part_nodes,
+      compiled, &Scene::fixed_nodes,
       [&](VolumeNode& node) {
         const size_t slot = slot_of(node, ChildKind::empty);
         if (slot == 8) return false;
@@ -149,7 +150,7 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
       },
       "an empty child with a box");
   expect_refusal<VolumeNode>(
-      compiled, &Scene::object_part_nodes,
+      compiled, &Scene::fixed_nodes,
       [&](VolumeNode& node) {
         const size_t slot = slot_of(node, ChildKind::empty);
         if (slot < 8) node.children[slot].first = 1u << 30;
@@ -211,7 +212,7 @@ TEST(SceneBlock, TreesAreNoDeeperThanATraverserCanGoAndNoNodeHasTwoParents) {
   };
   const SceneBlock deepest = encode_chain(kMostHierarchyLevels - 1, 1);
   const Scene scene = decode_scene(deepest.bytes());
-  FramePose pose(scene);
+  FrameState pose(scene);
   EXPECT_TRUE(closest_hit(scene, pose.at(0), {{0, 0, 5}, {0, 0, -1}}).is_hit());
   EXPECT_THROW(decode_scene(encode_chain(kMostHierarchyLevels, 1).bytes()), SceneBlockError);
   EXPECT_THROW(decode_scene(encode_chain(10, 2).bytes()), SceneBlockError) << "2^10 ways to one leaf";

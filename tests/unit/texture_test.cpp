@@ -108,10 +108,10 @@ struct Parameters {
     const Hit hit = closest_hit(compiled.scene, pose, ray);
     EXPECT_TRUE(hit.is_hit());
     const Vec3 p = ray.origin + hit.t * ray.direction;
-    return surface_parameters(compiled.scene, hit, pose.instances[hit.instance].object_from_world.point(p));
+    return surface_parameters(compiled.scene, hit, pose[hit.instance].object_from_world.point(p));
   }
   CompiledScene compiled;
-  FramePose frame_pose;
+  FrameState frame_pose;
   Pose pose;
 };
 

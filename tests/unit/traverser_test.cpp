@@ -1,6 +1,7 @@
 // The hierarchy against brute force, on every SIMD target that this machine can run.
 #include "common/hierarchy/traverser.h"
 
+#include "common/hierarchy/walk_counts.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -41,7 +42,7 @@ void expect_same(const Hit& a, const Hit& b) {
 }
 
 void compare_with_brute_force(const CompiledScene& compiled, double scale, int rays) {
-  FramePose frame_pose(compiled.scene);
+  FrameState frame_pose(compiled.scene);
   const Pose pose = frame_pose.at(0);
   std::mt19937 random(7);
   int hits = 0;
@@ -61,7 +62,7 @@ void compare_with_brute_force(const CompiledScene& compiled, double scale, int r
 }
 
 void compare_packets_with_single_rays(const CompiledScene& compiled, double scale, int packets) {
-  FramePose frame_pose(compiled.scene);
+  FrameState frame_pose(compiled.scene);
   const Pose pose = frame_pose.at(0);
   std::mt19937 random(8);
   for (int n = 0; n < packets; ++n) {
@@ -94,6 +95,55 @@ TEST(Traverser, EverySplitRuleAndLeafSize) {
   for (const BuildOptions& options : {BuildOptions{SplitRule::thesis, 1}, BuildOptions{SplitRule::thesis, 30},
                                       BuildOptions{SplitRule::sah, 1}, BuildOptions{SplitRule::sah, 30}})
     compare_with_brute_force(compile(test::make_mixed_scene(4, 1, 300), options), 1, 1500);
+}
+
+TEST(Traverser, EveryStructure) {
+  const SceneDescription description = test::make_mixed_scene(4, 1, 100);
+  const CompiledScene volumes = compile(description),
+                      list = compile(description, {.structure = Structure::list});
+  ASSERT_EQ(list.scene.parts[0].structure, Structure::list);
+  compare_with_brute_force(list, 1, 500);
+  compare_packets_with_single_rays(list, 1, 500);
+  FrameState volumes_state(volumes.scene), list_state(list.scene);
+  std::mt19937 random(21);
+  for (int i = 0; i < 500; ++i) {
+    const Ray ray{test::random_point(random, 2), normalized(test::random_point(random, 1))};
+    const Hit a = closest_hit(volumes.scene, volumes_state.at(0), ray),
+              b = closest_hit(list.scene, list_state.at(0), ray);
+    EXPECT_EQ(a.t, b.t);
+    EXPECT_EQ(a.primitive, b.primitive);
+  }
+}
+
+TEST(Traverser, CountedWalksAnswerAsOthersAndCountWhatTheyVisit) {
+  const SceneDescription description = test::make_mixed_scene(6, 1, 400);
+  WalkCounts of_volumes, of_list;
+  for (const bool is_list : {false, true}) {
+    const CompiledScene compiled =
+        compile(description, {.structure = is_list ? Structure::list : Structure::volumes});
+    FrameState state(compiled.scene);
+    const Pose pose = state.at(0);
+    std::mt19937 random(22);
+    for (int i = 0; i < 300; ++i) {
+      const Ray ray{test::random_point(random, 2), normalized(test::random_point(random, 1))};
+      WalkCounts counts;
+      expect_same(closest_hit_counted(compiled.scene, pose, ray, counts),
+                  closest_hit(compiled.scene, pose, ray));
+      EXPECT_EQ(any_hit_counted(compiled.scene, pose, ray, is_list ? of_list : of_volumes),
+                any_hit(compiled.scene, pose, ray));
+      if (!is_list) continue;
+      const Part& part = compiled.scene.parts[0];
+      EXPECT_EQ(counts.nodes, 0u);
+      EXPECT_EQ(counts.leaves, 3u);
+      EXPECT_EQ(counts.spheres, part.sphere_count);
+      EXPECT_EQ(counts.polygons + counts.quadrics, part.leaf_primitive_count);
+    }
+  }
+  EXPECT_LT(4 * of_volumes.triangles, of_list.triangles);
+  EXPECT_LT(4 * of_volumes.spheres, of_list.spheres);
+  EXPECT_GT(of_volumes.nodes, 300u);
+  EXPECT_GT(of_volumes.boxes, 2 * of_volumes.nodes);
+  EXPECT_LE(of_volumes.boxes, 8 * of_volumes.nodes);
 }
 
 TEST(Traverser, InstancesUnderTransforms) {
@@ -184,7 +234,7 @@ TEST(Traverser, SpecksOnALineAreFound) {
   scene.objects.push_back({"specks", {}, {}, {}});
   for (int i = 0; i < 10; ++i) scene.objects[0].primitives.push_back({SphereShape{{i, 1, 1}, 1e-20}, 0, {}});
   const CompiledScene compiled = compile(scene);
-  FramePose frame_pose(compiled.scene);
+  FrameState frame_pose(compiled.scene);
   const Pose pose = frame_pose.at(0);
   for (int i = 0; i < 10; ++i) {
     const Ray ray{{i - 0.5, 1, 1}, {1, 0, 0}};
@@ -225,7 +275,7 @@ TEST(Traverser, WhatNeverMovesIsOnePart) {
 
 TEST(Traverser, EverySimdTargetGivesTheSameBits) {
   const CompiledScene compiled = compile(test::make_mixed_scene(6, 1, 500));
-  FramePose frame_pose(compiled.scene);
+  FrameState frame_pose(compiled.scene);
   const Pose pose = frame_pose.at(0);
   const std::vector<std::string> targets = simd_targets();
   ASSERT_FALSE(targets.empty());
@@ -278,7 +328,7 @@ TEST(Traverser, NoRayLeaksThroughTheEdgesOfAClosedMesh) {
   ASSERT_EQ(compiled.notes.lines().size(), 1u);
   EXPECT_NE(compiled.notes.lines()[0].find(fmt::format("{} polygons or triangles", 2 * kColumns)),
             std::string::npos);
-  FramePose frame_pose(compiled.scene);
+  FrameState frame_pose(compiled.scene);
   const Pose pose = frame_pose.at(0);
   std::mt19937 random(2);
   for (const glm::uvec3& t : triangles)
@@ -292,7 +342,7 @@ TEST(Traverser, NoRayLeaksThroughTheEdgesOfAClosedMesh) {
 
 TEST(Traverser, EmptySceneHitsNothing) {
   const CompiledScene compiled = compile(test::load_yaml(test::view_text() + "scene: []\n"));
-  FramePose frame_pose(compiled.scene);
+  FrameState frame_pose(compiled.scene);
   EXPECT_FALSE(closest_hit(compiled.scene, frame_pose.at(0), {Vec3(0), Vec3(0, 0, 1)}).is_hit());
 }
 

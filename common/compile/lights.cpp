@@ -1,0 +1,60 @@
+#include "common/compile/lights.h"
+
+#include "common/compile/textures.h"
+#include "common/errors/input_error.h"
+#include "common/lighting/environment.h"
+#include "common/lighting/light_choice.h"
+
+namespace rayfarm {
+
+void add_listed_lights(SceneArrays<GrowingArray>& arrays, const SceneDescription& description) {
+  arrays.lights = description.lights;
+  for (const DiagramDescription& diagram : description.diagrams) {
+    arrays.goniometric_diagrams.push_back(diagram);
+    arrays.goniometric_diagrams.back().first_value = static_cast<uint32_t>(arrays.goniometric_values.size());
+    arrays.goniometric_values.insert(arrays.goniometric_values.end(), diagram.values.begin(),
+                                     diagram.values.end());
+  }
+  if (!description.environment) return;
+  SceneHeader& head = arrays.header[0];
+  head.environment = add_texture(arrays, *description.environment);
+  head.environment_turn = description.environment_turn;
+  arrays.lights.push_back({.kind = LightKind::environment});
+}
+
+std::vector<Place> add_luminaires(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
+                                  const Luminaires& luminaires,
+                                  std::span<const std::vector<Luminous>> luminous_of) {
+  std::vector<Place> places;
+  arrays.luminaire_triangles = luminaires.triangles();
+  arrays.header[0].first_luminaire = static_cast<uint32_t>(arrays.lights.size());
+  for (uint32_t i = 0; i < arrays.instances.size(); ++i)
+    for (const Luminous& luminous : luminous_of[arrays.instances[i].part]) {
+      if (places.size() == limits::kLuminaires)
+        throw InputError(
+            description.source(luminous.place),
+            fmt::format("the scene has more than {} luminous primitives, each of which is a light; make "
+                        "lamps of fewer (a sphere, a large polygon), or use fewer copies of them",
+                        limits::kLuminaires));
+      Light light{.kind = LightKind::luminaire, .instance = i, .primitive = luminous.id};
+      light.first_triangle = luminous.first_triangle;
+      light.triangle_count = luminous.triangle_count;
+      light.material = luminous.material;
+      arrays.lights.push_back(light);
+      places.push_back(luminous.place);
+    }
+  return places;
+}
+
+void weigh_lights(SceneArrays<GrowingArray>& arrays) {
+  Box bounds;
+  for (const InstancePose& pose : arrays.poses) bounds.grow(pose.bounds);
+  SceneHeader& head = arrays.header[0];
+  const double radius = bounds.is_empty() ? 1 : std::max(1e-150, 0.5 * glm::length(bounds.extent()));
+  head.far_away = 4 * (radius + bounds.magnitude());
+  if (head.environment != kNone)
+    arrays.environment_shares = make_environment_shares(arrays.textures[head.environment], arrays.texels);
+  arrays.light_shares = make_light_shares(view_of(arrays), radius);
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,110 @@
+#include "common/compile/objects.h"
+
+#include <stdexcept>
+
+#include "common/errors/input_error.h"
+#include "common/hierarchy/frame_state.h"
+
+namespace rayfarm {
+namespace {
+
+/// How often long loops ask whether to stop.
+constexpr size_t kObjectsPerLook = 1 << 14;
+
+/// Some of the instances, for the builder.
+class InstanceSource : public PrimitiveSource {
+ public:
+  InstanceSource(std::span<const InstancePose> poses, std::span<const uint32_t> instances)
+      : poses_(poses), instances_(instances) {}
+  size_t size() const override { return instances_.size(); }
+  Box bounds(uint32_t i) const override { return poses_[instances_[i]].bounds; }
+  Box clipped(uint32_t i, const Box& cell) const override { return intersection(bounds(i), cell); }
+
+ private:
+  std::span<const InstancePose> poses_;
+  std::span<const uint32_t> instances_;
+};
+
+}  // namespace
+
+uint32_t add_curve(SceneArrays<GrowingArray>& arrays, const Curve& curve) {
+  const auto first = static_cast<uint32_t>(arrays.key_frames.size());
+  arrays.key_frames.insert(arrays.key_frames.end(), curve.frames.begin(), curve.frames.end());
+  arrays.key_values.insert(arrays.key_values.end(), curve.values.begin(), curve.values.end());
+  arrays.curves.push_back(
+      {static_cast<uint32_t>(curve.interpolation), first, static_cast<uint32_t>(curve.frames.size())});
+  return static_cast<uint32_t>(arrays.curves.size() - 1);
+}
+
+std::vector<uint32_t> fixed_objects(const SceneDescription& description) {
+  std::vector<uint32_t> uses(description.objects.size());
+  for (const ObjectDescription& object : description.objects)
+    for (const ChildDescription& child : object.children) ++uses[child.object];
+  std::vector<uint32_t> fixed{description.root};
+  for (size_t i = 0; i < fixed.size(); ++i)  // grows while it is read
+    for (const ChildDescription& child : description.objects[fixed[i]].children)
+      if (child.transform.empty() && uses[child.object] == 1) fixed.push_back(child.object);
+  return fixed;
+}
+
+void ObjectTree::expand(uint32_t object, uint32_t parent, std::span<const TransformStep> transform,
+                        bool moves) {
+  ObjectNode node;
+  node.parent = parent;
+  node.first_step = static_cast<uint32_t>(arrays_.steps.size());
+  node.step_count = static_cast<uint32_t>(transform.size());
+  for (const TransformStep& step : transform) {
+    arrays_.steps.push_back({static_cast<uint32_t>(step.kind), curve_of(step.curve), step.axis, step.matrix});
+    moves = moves || step.curve.is_animated();
+  }
+  const auto index = static_cast<uint32_t>(arrays_.object_nodes.size());
+  arrays_.object_nodes.push_back(node);
+  if (part_of_[object] != kNone) {
+    Instance instance{index, part_of_[object]};
+    if (moves) {
+      instance.moving = static_cast<uint32_t>(arrays_.moving_instances.size());
+      arrays_.moving_instances.push_back(static_cast<uint32_t>(arrays_.instances.size()));
+    }
+    arrays_.instances.push_back(instance);
+  }
+  if (index % kObjectsPerLook == 0) throw_if_stopped(stop_);
+  for (const ChildDescription& child : description_.objects[object].children)
+    expand(child.object, index, child.transform, moves);
+}
+
+/// Shared objects repeat their curves in every copy; each is stored once.
+uint32_t ObjectTree::curve_of(const Curve& curve) {
+  const auto found = curve_ids_.find(&curve);
+  if (found != curve_ids_.end()) return found->second;
+  return curve_ids_[&curve] = add_curve(arrays_, curve);
+}
+
+void build_object_part(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
+                       const std::stop_token& stop) {
+  const double frame = description.frames ? (*description.frames)[0] : 0;
+  std::vector<uint32_t> fixed;
+  try {
+    const Scene scene = view_of(arrays);
+    const std::vector<Affine> world = world_transforms(scene, frame);
+    for (uint32_t i = 0; i < arrays.instances.size(); ++i) {
+      const Instance& instance = arrays.instances[i];
+      arrays.poses.push_back(make_instance_pose(scene, instance, world[instance.object_node]));
+      if (instance.moving == kNone) fixed.push_back(i);
+    }
+  } catch (const std::domain_error& e) {
+    throw InputError({description.files.at(0)}, fmt::format("at frame {}: {}", frame, e.what()));
+  }
+  const auto build = [&](std::span<const uint32_t> instances, std::vector<VolumeNode>& nodes) {
+    const LeafMaker make_leaf = [&](std::span<const PrimitiveReference> references) {
+      const auto first = static_cast<uint32_t>(arrays.leaf_instances.size());
+      for (const PrimitiveReference& r : references) arrays.leaf_instances.push_back(instances[r.primitive]);
+      return make_child(ChildKind::instances, first, static_cast<uint32_t>(references.size()));
+    };
+    return build_hierarchy(InstanceSource(arrays.poses, instances), {.max_primitives = 1, .stop = stop},
+                           make_leaf, nodes);
+  };
+  arrays.header[0].fixed_root = build(fixed, arrays.fixed_nodes);
+  arrays.header[0].moving_root = build(arrays.moving_instances, arrays.moving_nodes);
+}
+
+}  // namespace rayfarm

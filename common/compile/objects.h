@@ -1,0 +1,45 @@
+#pragma once
+// The object tree: which objects are one part, where instances of parts stand, and the boxes over them.
+#include <map>
+#include <vector>
+
+#include "common/description/scene_description.h"
+#include "common/hierarchy/builder.h"
+#include "common/scene/scene.h"
+
+namespace rayfarm {
+
+/// Stores the curve; returns its index.
+uint32_t add_curve(SceneArrays<GrowingArray>& arrays, const Curve& curve);
+
+/// The root and the objects that stand once in the scene, with no transform on the way to them: their
+/// primitives never move against each other, so they are one part.
+std::vector<uint32_t> fixed_objects(const SceneDescription& description);
+
+/// Expands the graph of objects to a tree (thesis 4.3.2), with an instance of each object's part.
+class ObjectTree {
+ public:
+  /// `part_of`: of each object, kNone if it has no primitives. All must outlive the tree.
+  ObjectTree(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
+             std::span<const uint32_t> part_of, std::stop_token stop)
+      : arrays_(arrays), description_(description), part_of_(part_of), stop_(std::move(stop)) {}
+  /// Throws Stopped.
+  void expand() { expand(description_.root, kNone, {}, false); }
+
+ private:
+  void expand(uint32_t object, uint32_t parent, std::span<const TransformStep> transform, bool moves);
+  uint32_t curve_of(const Curve& curve);
+
+  SceneArrays<GrowingArray>& arrays_;
+  const SceneDescription& description_;
+  std::span<const uint32_t> part_of_;
+  std::stop_token stop_;
+  std::map<const Curve*, uint32_t> curve_ids_;
+};
+
+/// Poses of all instances at the scene's first frame, and the boxes over them: over those that never move,
+/// and over those that do, which are refitted for each frame. Throws InputError if there is no such pose.
+void build_object_part(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
+                       const std::stop_token& stop);
+
+}  // namespace rayfarm

@@ -1,0 +1,109 @@
+#include "common/compile/parts.h"
+
+namespace rayfarm {
+namespace {
+
+Box sphere_box(const SphereRecord& s) {
+  return {s.center - Vec3(s.radius), s.center + Vec3(s.radius)};
+}
+
+/// The primitives of one part, for the builder.
+class PartSource : public PrimitiveSource {
+ public:
+  PartSource(const SceneArrays<GrowingArray>& arrays, const PartPrimitives& part)
+      : arrays_(arrays), part_(part) {}
+  size_t size() const override { return part_.ids.size(); }
+
+  Box bounds(uint32_t primitive) const override {
+    if (part_.triangle_of[primitive] != kNone) {
+      Box box;
+      for (const Vec3& v : triangle(primitive)) box.grow(v);
+      return box;
+    }
+    const PrimitiveId id = part_.ids[primitive];
+    switch (id.kind()) {
+      case PrimitiveKind::triangle:
+        break;
+      case PrimitiveKind::sphere:
+        return sphere_box(arrays_.spheres[id.index()]);
+      case PrimitiveKind::polygon: {
+        Box box;
+        for (const Vec3& p : points(id)) box.grow(p);
+        return box;
+      }
+      case PrimitiveKind::quadric:
+        return arrays_.quadrics[id.index()].bounds;
+    }
+    return {};
+  }
+
+  Box clipped(uint32_t primitive, const Box& cell) const override {
+    if (part_.triangle_of[primitive] != kNone) return clipped_bounds(triangle(primitive), cell);
+    const PrimitiveId id = part_.ids[primitive];
+    switch (id.kind()) {
+      case PrimitiveKind::triangle:
+        break;
+      case PrimitiveKind::sphere: {
+        const SphereRecord& s = arrays_.spheres[id.index()];
+        const Vec3 nearest = glm::clamp(s.center, cell.lo, cell.hi) - s.center;
+        if (glm::dot(nearest, nearest) > s.radius * s.radius * (1 + 1e-12)) return {};
+        return intersection(sphere_box(s), cell);
+      }
+      case PrimitiveKind::polygon:
+        return clipped_bounds(points(id), cell);
+      case PrimitiveKind::quadric:
+        return intersection(arrays_.quadrics[id.index()].bounds, cell);
+    }
+    return {};
+  }
+
+ private:
+  std::array<Vec3, 3> triangle(uint32_t primitive) const {
+    const TriangleVertices& t = part_.triangles[part_.triangle_of[primitive]];
+    return {Vec3(t[0]), Vec3(t[1]), Vec3(t[2])};
+  }
+  std::span<const Vec3> points(PrimitiveId id) const {
+    const Polygon& p = arrays_.polygons[id.index()];
+    return std::span(arrays_.polygon_points).subspan(p.first_point, p.point_count);
+  }
+  const SceneArrays<GrowingArray>& arrays_;
+  const PartPrimitives& part_;
+};
+
+}  // namespace
+
+Part build_part(SceneArrays<GrowingArray>& arrays, const PartPrimitives& primitives,
+                const BuildOptions& options) {
+  Part part;
+  part.structure = options.structure;
+  part.first_triangle_block = static_cast<uint32_t>(arrays.triangle_blocks.size());
+  part.first_sphere_block = static_cast<uint32_t>(arrays.sphere_blocks.size());
+  part.first_leaf_primitive = static_cast<uint32_t>(arrays.leaf_primitives.size());
+  const PartSource source(arrays, primitives);
+  LeafArrays leaves{arrays.nodes, arrays.triangle_blocks, arrays.sphere_blocks, arrays.leaf_primitives};
+  part.root = build_hierarchy(
+      source, options,
+      [&](std::span<const PrimitiveReference> r) {
+        throw_if_stopped(options.stop);
+        return pack_leaf(r, primitives, arrays.spheres, leaves);
+      },
+      arrays.nodes);
+  part.triangle_block_count =
+      static_cast<uint32_t>(arrays.triangle_blocks.size()) - part.first_triangle_block;
+  part.sphere_block_count = static_cast<uint32_t>(arrays.sphere_blocks.size()) - part.first_sphere_block;
+  part.leaf_primitive_count =
+      static_cast<uint32_t>(arrays.leaf_primitives.size()) - part.first_leaf_primitive;
+  const std::array<uint32_t*, 4> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
+                                        &part.quadric_count};  // in the order of PrimitiveKind
+  PrimitiveId previous = kNoPrimitive;
+  for (uint32_t i = 0; i < primitives.ids.size(); ++i) {
+    part.bounds.grow(source.bounds(i));
+    const PrimitiveId id = primitives.ids[i];
+    if (id == previous) continue;  // another triangle of the same polygon
+    previous = id;
+    ++*counts[static_cast<size_t>(id.kind())];
+  }
+  return part;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,79 @@
+#include "common/hierarchy/frame_state.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "common/hierarchy/builder.h"
+#include "common/scene/animation.h"
+
+namespace rayfarm {
+
+std::vector<Affine> world_transforms(const Scene& scene, double frame) {
+  std::vector<Affine> world(scene.object_nodes.size());
+  for (size_t i = 0; i < world.size(); ++i) {
+    const ObjectNode& node = scene.object_nodes[i];
+    Affine local;
+    for (const TransformStepRecord& step : scene.steps.subspan(node.first_step, node.step_count))
+      local = eval_transform(static_cast<TransformKind>(step.kind), scene.eval(step.curve, frame), step.axis,
+                             step.matrix) *
+              local;
+    world[i] = node.parent == kNone ? local : world[node.parent] * local;
+  }
+  return world;
+}
+
+InstancePose make_instance_pose(const Scene& scene, const Instance& instance, const Affine& world) {
+  InstancePose pose;
+  pose.world_from_object = world;
+  pose.is_identity = world.is_identity() ? 1 : 0;
+  if (!pose.is_identity) {
+    pose.object_from_world = inverse(world);
+    for (int column = 0; column < 3; ++column)
+      if (!is_finite(pose.object_from_world.linear[column]) || !is_finite(world.translation))
+        throw std::domain_error("an object's transform is singular or not finite");
+  }
+  const Box& part = scene.parts[instance.part].bounds;
+  pose.bounds = transform(world, part);
+  // A hit is found in the object's space: leave room for the rounding of coordinates that cancel on the way
+  // back.
+  const Mat3& m = world.linear;
+  const double largest = std::max({max_magnitude(m[0]), max_magnitude(m[1]), max_magnitude(m[2])});
+  const Vec3 margin(1e-14 * (3 * largest * part.magnitude() + max_magnitude(world.translation)));
+  pose.bounds.lo -= margin;
+  pose.bounds.hi += margin;
+  return pose;
+}
+
+void refit(const Scene& scene, std::span<const InstancePose> moving, std::span<VolumeNode> nodes) {
+  for (size_t n = nodes.size(); n-- > 0;) {  // children stand after their parents
+    VolumeNode& node = nodes[n];
+    for (size_t slot = 0; slot < 8; ++slot) {
+      const ChildRef child = node.children[slot];
+      Box box;
+      if (child.kind() == ChildKind::inner) {
+        box = bounds_of(nodes[child.first]);
+      } else if (child.kind() == ChildKind::instances) {
+        for (const uint32_t i : scene.leaf_instances.subspan(child.first, child.count()))
+          if (scene.instances[i].moving != kNone) box.grow(moving[scene.instances[i].moving].bounds);
+      } else {
+        continue;
+      }
+      set_child(node, slot, box, child);
+    }
+  }
+}
+
+Pose FrameState::at(double frame) {
+  if (scene_.moving_instances.empty()) return {scene_, {}, {}};
+  const std::vector<Affine> world = world_transforms(scene_, frame);
+  moving_.clear();
+  for (const uint32_t i : scene_.moving_instances) {
+    const Instance& instance = scene_.instances[i];
+    moving_.push_back(make_instance_pose(scene_, instance, world[instance.object_node]));
+  }
+  moving_nodes_.assign(scene_.moving_nodes.begin(), scene_.moving_nodes.end());
+  refit(scene_, moving_, moving_nodes_);
+  return {scene_, moving_, moving_nodes_};
+}
+
+}  // namespace rayfarm

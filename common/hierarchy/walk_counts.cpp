@@ -1,0 +1,65 @@
+#include "common/hierarchy/walk_counts.h"
+
+// For one target: what is counted does not depend on it.
+#include <hwy/highway.h>
+
+#include "common/hierarchy/walk-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rayfarm {
+namespace HWY_NAMESPACE {
+namespace {
+
+/// A search that counts what it tests.
+template <typename Search>
+class Counting : public Search {
+ public:
+  static constexpr bool kCounts = true;
+  template <typename... Arguments>
+  Counting(WalkCounts& counts, const Scene& scene, Arguments&&... arguments)
+      : Search(scene, arguments...), counts_(&counts), scene_(&scene) {}
+
+  void count(const VolumeNode& node) {
+    ++counts_->nodes;
+    for (const ChildRef& child : node.children) counts_->boxes += child.kind() != ChildKind::empty;
+  }
+
+  bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
+    ++counts_->leaves;
+    if (leaf.kind() == ChildKind::triangles)
+      for (const TriangleBlock& block : scene_->triangle_blocks.subspan(leaf.first, leaf.count()))
+        for (const PrimitiveId id : block.primitives) counts_->triangles += id != kNoPrimitive;
+    if (leaf.kind() == ChildKind::spheres)
+      for (const SphereBlock& block : scene_->sphere_blocks.subspan(leaf.first, leaf.count()))
+        for (const uint32_t sphere : block.spheres) counts_->spheres += sphere != kNone;
+    if (leaf.kind() == ChildKind::mixed)
+      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count()))
+        ++(id.kind() == PrimitiveKind::polygon ? counts_->polygons : counts_->quadrics);
+    return Search::test_leaf(leaf, ray, instance);
+  }
+
+ private:
+  WalkCounts* counts_;
+  const Scene* scene_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+
+Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts) {
+  using namespace HWY_NAMESPACE;
+  Hit hit;
+  hit.t = ray.t_max;
+  Counting<ClosestHit> search(counts, scene, hit);
+  search_for_one(scene, pose, PreparedRay(ray), search);
+  return hit;
+}
+
+bool any_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts) {
+  using namespace HWY_NAMESPACE;
+  Counting<AnyHit> search(counts, scene, ray.t_max);
+  return search_for_one(scene, pose, PreparedRay(ray), search);
+}
+
+}  // namespace rayfarm
+HWY_AFTER_NAMESPACE();

@@ -1,0 +1,23 @@
+#pragma once
+// What single rays cost in visits and tests (thesis 4.3, Weghorst, Hooper and Greenberg 1984), for
+// experiments: the same walk as closest_hit and any_hit, compiled once more with counters, and the same
+// answers.
+#include "common/hierarchy/frame_state.h"
+#include "common/hierarchy/hit.h"
+
+namespace rayfarm {
+
+struct WalkCounts {
+  uint64_t nodes = 0;      ///< of the object part and of parts
+  uint64_t boxes = 0;      ///< tested; a node's are tested at once
+  uint64_t leaves = 0;     ///< of parts
+  uint64_t triangles = 0;  ///< in leaves that were visited, as all that follow
+  uint64_t spheres = 0, polygons = 0, quadrics = 0;
+};
+
+/// As closest_hit. `counts` grows.
+Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts);
+/// As any_hit. `counts` grows.
+bool any_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts);
+
+}  // namespace rayfarm
