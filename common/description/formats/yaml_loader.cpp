@@ -2,93 +2,19 @@
 #include <filesystem>
 #include <istream>
 #include <map>
-#include <numbers>
 
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/formats/stoppable_text.h"
+#include "common/description/formats/yaml_curves.h"
 #include "common/description/formats/yaml_materials.h"
 #include "common/description/formats/yaml_reader.h"
+#include "common/description/formats/yaml_shapes.h"
 #include "common/description/formats/yaml_textures.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
-#include "common/math/portable_math.h"
 
 namespace rayfarm {
 namespace {
-
-Vec4 quaternion(const Vec3& axis, double degrees) {
-  const double half = degrees * (std::numbers::pi / 360);
-  return {normalized(axis) * portable_sin(half), portable_cos(half)};
-}
-
-/// A constant, or a map `frame: value`.
-template <typename Read>
-Curve read_curve(const YamlValue& value, Interpolation interpolation, Read read) {
-  Curve curve;
-  curve.interpolation = interpolation;
-  if (!value.is_map()) {
-    curve.frames = {0};
-    curve.values = {read(value)};
-    return curve;
-  }
-  std::map<double, Vec4> keys;
-  for (const auto& [frame, v] : value.entries()) {
-    const YamlValue& key = frame;
-    double number = 0;
-    try {
-      number = key.number();
-    } catch (const InputError&) {
-      key.fail(fmt::format("{} is either one value or a map `frame: value`; '{}' is not a frame number",
-                           value.what(), key.text().substr(0, 40)));
-    }
-    if (!keys.emplace(number, read(v)).second) key.fail(fmt::format("frame {} stands twice", number));
-    if (keys.size() > limits::kKeys) key.fail("too many keys");
-  }
-  if (keys.empty()) value.fail(fmt::format("{} has no keys", value.what()));
-  for (const auto& [frame, v] : keys) {
-    curve.frames.push_back(frame);
-    curve.values.push_back(v);
-  }
-  return curve;
-}
-
-Vec4 read_point(const YamlValue& v) {
-  return {v.vector(), 0};
-}
-Vec4 read_direction(const YamlValue& v) {
-  return {v.direction(), 0};
-}
-Vec4 read_number(const YamlValue& v) {
-  return {v.number(), 0, 0, 0};
-}
-Vec4 read_scale(const YamlValue& v) {
-  const Vec3 s = v.is_sequence() ? v.vector() : Vec3(v.number());
-  if (s.x == 0 || s.y == 0 || s.z == 0) v.fail("a scale must not be 0: it would flatten the object");
-  return {s, 0};
-}
-Vec4 read_orientation(const YamlValue& v) {
-  YamlMap map(v);
-  const Vec3 axis = map.require("axis").direction();
-  const double degrees = map.require("degrees").number();
-  map.finish();
-  return quaternion(axis, degrees);
-}
-
-Affine read_matrix(const YamlValue& v) {
-  const std::vector<double> m = v.numbers();
-  if (m.size() != 12 && m.size() != 16)
-    v.fail("a matrix has 12 numbers (three rows of four) or 16 (four rows)");
-  if (m.size() == 16 && (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1))
-    v.fail("the last row of a matrix must be 0, 0, 0, 1: objects are moved without perspective");
-  Affine a;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column)
-      a.linear[column][row] = m[static_cast<size_t>(4 * row + column)];
-    a.translation[row] = m[static_cast<size_t>(4 * row + 3)];
-  }
-  if (glm::determinant(a.linear) == 0) v.fail("the matrix is singular: it would flatten the object");
-  return a;
-}
 
 class Loader {
  public:
@@ -273,22 +199,17 @@ class Loader {
   }
 
   void read_content(YamlMap& map, const YamlValue& value, uint32_t target, uint32_t material, size_t depth) {
-    using Reader = void (Loader::*)(const YamlValue&, uint32_t, uint32_t);
-    static const std::vector<std::pair<std::string, Reader>> kShapes = {
-        {"sphere", &Loader::read_sphere},
-        {"polygon", &Loader::read_polygon},
-        {"box", &Loader::read_box},
-        {"cylinder", &Loader::read_cylinder},
-        {"cone", &Loader::read_cone},
-        {"quadric", &Loader::read_quadric},
-        {"triangles", &Loader::read_triangles},
-        {"mesh", &Loader::read_mesh}};
     int contents = 0;
-    for (const auto& [key, reader] : kShapes)
+    for (const auto& [key, read] : yaml_shapes())
       if (auto v = map.find(key)) {
         ++contents;
-        (this->*reader)(*v, target, material);
+        for (Shape& shape : read(*v))
+          scene_.objects[target].primitives.push_back({std::move(shape), material, v->place()});
       }
+    if (auto v = map.find("mesh")) {
+      ++contents;
+      read_mesh(*v, target, material);
+    }
     if (auto v = map.find("group")) {
       ++contents;
       read_children(*v, target, material, depth + 1);
@@ -307,164 +228,6 @@ class Loader {
                        "mesh, group, use"
                      : "an object can hold only one shape, group or use; make each an entry of its own");
     }
-  }
-
-  std::vector<TransformStep> read_transform(const YamlValue& value) {
-    std::vector<TransformStep> steps;
-    const std::vector<YamlValue> items = value.is_sequence() ? value.items() : std::vector<YamlValue>{value};
-    for (const YamlValue& item : items) {
-      YamlMap map(item);
-      const size_t before = steps.size();
-      if (auto v = map.find("translate"))
-        steps.push_back(
-            {TransformKind::translate, read_curve(*v, Interpolation::linear, read_point), {}, {}});
-      if (auto v = map.find("scale"))
-        steps.push_back({TransformKind::scale, read_curve(*v, Interpolation::linear, read_scale), {}, {}});
-      if (auto v = map.find("rotate")) {
-        if (!v->is_map())
-          v->fail(
-              "a rotation is about one axis: `rotate: {axis: [0, 1, 0], degrees: 90}`; for several write a "
-              "list of "
-              "steps");
-        YamlMap rotate(*v);
-        TransformStep step{TransformKind::rotate, {}, rotate.require("axis").direction(), {}};
-        step.curve = read_curve(rotate.require("degrees"), Interpolation::linear, read_number);
-        rotate.finish();
-        steps.push_back(step);
-      }
-      if (auto v = map.find("orient")) {
-        YamlMap probe(*v);
-        const bool is_constant = probe.has("axis");
-        steps.push_back({TransformKind::orient,
-                         is_constant ? constant_curve(read_orientation(*v))
-                                     : read_curve(*v, Interpolation::spherical_rotation, read_orientation),
-                         {},
-                         {}});
-      }
-      if (auto v = map.find("matrix"))
-        steps.push_back({TransformKind::matrix, constant_curve(Vec4(0)), {}, read_matrix(*v)});
-      map.finish();
-      if (steps.size() != before + 1)
-        item.fail(
-            "each step of a transform is one of: translate, rotate, scale, orient, matrix; write a list of "
-            "steps");
-    }
-    return steps;
-  }
-
-  void add(uint32_t object, Shape shape, uint32_t material, const YamlValue& at) {
-    scene_.objects[object].primitives.push_back({std::move(shape), material, at.place()});
-  }
-
-  void read_sphere(const YamlValue& value, uint32_t object, uint32_t material) {
-    YamlMap map(value);
-    SphereShape sphere;
-    sphere.center = map.require("center").vector();
-    sphere.radius = map.require("radius").number();
-    map.finish();
-    add(object, sphere, material, value);
-  }
-
-  void read_cylinder(const YamlValue& value, uint32_t object, uint32_t material) {
-    YamlMap map(value);
-    ConeShape cone;
-    cone.base = map.require("base").vector();
-    cone.apex = map.require("top").vector();
-    cone.base_radius = cone.apex_radius = map.require("radius").number();
-    map.finish();
-    add(object, cone, material, value);
-  }
-
-  void read_cone(const YamlValue& value, uint32_t object, uint32_t material) {
-    YamlMap map(value);
-    ConeShape cone;
-    cone.base = map.require("base").vector();
-    cone.apex = map.require("apex").vector();
-    cone.base_radius = map.require("base_radius").number();
-    cone.apex_radius = 0;
-    if (auto v = map.find("apex_radius")) cone.apex_radius = v->number();
-    map.finish();
-    add(object, cone, material, value);
-  }
-
-  void read_quadric(const YamlValue& value, uint32_t object, uint32_t material) {
-    YamlMap map(value);
-    QuadricShape quadric;
-    const YamlValue coefficients = map.require("coefficients");
-    const std::vector<double> c = coefficients.numbers();
-    if (c.size() != 10)
-      coefficients.fail("a quadric has 10 coefficients: x², y², z², 2xy, 2xz, 2yz, 2x, 2y, 2z, 1");
-    std::copy(c.begin(), c.end(), quadric.coefficients.begin());
-    if (auto planes = map.find("planes"))
-      for (const YamlValue& plane : planes->items()) {
-        const std::vector<double> p = plane.numbers();
-        if (p.size() != 4) plane.fail("a plane is [nx, ny, nz, d] and keeps the points with n·p <= d");
-        quadric.planes.emplace_back(p[0], p[1], p[2], p[3]);
-      }
-    map.finish();
-    add(object, quadric, material, value);
-  }
-
-  Smoothing read_smoothing(YamlMap& map, Smoothing fallback) {
-    if (auto v = map.find("smooth")) return static_cast<Smoothing>(v->choice({"flat", "phong", "center"}));
-    return fallback;
-  }
-
-  void read_polygon(const YamlValue& value, uint32_t object, uint32_t material) {
-    YamlMap map(value);
-    PolygonShape polygon;
-    for (const YamlValue& p : map.require("points").items()) polygon.points.push_back(p.vector());
-    if (auto normals = map.find("normals"))
-      for (const YamlValue& n : normals->items()) polygon.normals.push_back(n.direction());
-    if (!polygon.normals.empty() && polygon.normals.size() != polygon.points.size())
-      value.fail(fmt::format("the polygon has {} points but {} normals", polygon.points.size(),
-                             polygon.normals.size()));
-    polygon.smoothing = read_smoothing(map, Smoothing::phong);
-    map.finish();
-    add(object, polygon, material, value);
-  }
-
-  void read_box(const YamlValue& value, uint32_t object, uint32_t material) {
-    YamlMap map(value);
-    const Vec3 lo = map.require("min").vector(), hi = map.require("max").vector();
-    map.finish();
-    if (!(lo.x < hi.x && lo.y < hi.y && lo.z < hi.z))
-      value.fail("each coordinate of `min` must be below that of `max`");
-    const auto corner = [&](int i) {
-      return Vec3(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z);
-    };
-    static constexpr int kFaces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                                         {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-    for (const auto& face : kFaces) {
-      PolygonShape polygon;
-      for (const int i : face) polygon.points.push_back(corner(i));
-      add(object, polygon, material, value);
-    }
-  }
-
-  void read_triangles(const YamlValue& value, uint32_t object, uint32_t material) {
-    YamlMap map(value);
-    MeshShape mesh;
-    for (const YamlValue& p : map.require("points").items()) mesh.positions.emplace_back(p.vector());
-    for (const YamlValue& t : map.require("triangles").items()) {
-      const std::vector<YamlValue> corners = t.items();
-      if (corners.size() != 3) t.fail("a triangle is three indices into `points`, counted from 0");
-      glm::uvec3 indices;
-      for (int k = 0; k < 3; ++k)
-        indices[k] = static_cast<uint32_t>(
-            corners[static_cast<size_t>(k)].whole_number_in(0, static_cast<int>(mesh.positions.size()) - 1));
-      mesh.triangles.push_back(indices);
-    }
-    if (auto normals = map.find("normals")) {
-      for (const YamlValue& n : normals->items()) mesh.normals.emplace_back(n.direction());
-      if (mesh.normals.size() != mesh.positions.size())
-        value.fail(
-            fmt::format("the mesh has {} points but {} normals", mesh.positions.size(), mesh.normals.size()));
-      mesh.triangle_normals = mesh.triangles;
-    }
-    mesh.smoothing = read_smoothing(map, mesh.normals.empty() ? Smoothing::flat : Smoothing::phong);
-    map.finish();
-    add(object, std::move(mesh), material, value);
   }
 
   void read_mesh(const YamlValue& value, uint32_t object, uint32_t material) {
