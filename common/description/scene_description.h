@@ -106,8 +106,8 @@ struct PolygonShape {
 struct MeshShape {
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::uvec3> triangles;  ///< indices into positions
-  std::vector<glm::uvec3>
-      triangle_normals;             ///< empty, or one per triangle: indices into normals, ~0 for none
+  /// Empty, or one per triangle: indices into normals, ~0 for none.
+  std::vector<glm::uvec3> triangle_normals;
   std::vector<uint32_t> materials;  ///< empty, or one per triangle
   std::vector<glm::vec2> uvs;
   std::vector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs

@@ -11,8 +11,8 @@ struct Hit {
   double t = std::numeric_limits<double>::infinity();
   uint32_t instance = kNone;
   PrimitiveId primitive;
-  uint32_t block_lane =
-      kNone;  ///< 8 × block + lane, where the vertices stand, if it was tested as a triangle
+  /// 8 × block + lane, where the vertices stand, if it was tested as a triangle.
+  uint32_t block_lane = kNone;
   double u = 0, v = 0, w = 0;  ///< then: barycentric weights of the three vertices
 
   bool is_hit() const { return instance != kNone; }

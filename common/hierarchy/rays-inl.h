@@ -197,8 +197,8 @@ class BoxTest {
   FloatTag d_;
   V near_inverse_x_, far_inverse_x_, near_inverse_y_, far_inverse_y_, near_inverse_z_, far_inverse_z_;
   V near_bias_x_, near_bias_y_, near_bias_z_, far_bias_x_, far_bias_y_, far_bias_z_;
-  size_t near_x_, near_y_, near_z_, far_x_, far_y_,
-      far_z_;  ///< where the planes stand in a node, counted in floats
+  /// Where the planes stand in a node, counted in floats.
+  size_t near_x_, near_y_, near_z_, far_x_, far_y_, far_z_;
 };
 
 constexpr size_t kPacketRays = kMostPacketRays;

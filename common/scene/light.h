@@ -9,10 +9,10 @@
 namespace rayfarm {
 
 enum class LightKind : uint32_t {
-  point,  ///< position, color; without falloff, as the thesis has it: color is what a white surface facing it
-          ///< shows
-  bulb,   ///< position, color: radiant intensity, which falls with the square of the distance
-  spot,   ///< a bulb that shines about `direction` only
+  /// position, color; without falloff, as the thesis has it: color is what a white surface facing it shows
+  point,
+  bulb,         ///< position, color: radiant intensity, which falls with the square of the distance
+  spot,         ///< a bulb that shines about `direction` only
   distant,      ///< direction, color: irradiance / π; from infinitely far
   environment,  ///< the image that is seen behind the scene
   luminaire     ///< a primitive of a luminous material
@@ -22,16 +22,16 @@ struct Light {
   LightKind kind = LightKind::point;
   uint32_t instance = 0;  ///< of a luminaire, as the next three
   PrimitiveId primitive{};
-  uint32_t first_triangle = 0, triangle_count = 0;  ///< of a luminous triangle or polygon, in
-                                                    ///< luminaire_triangles
+  /// Of a luminous triangle or polygon, in luminaire_triangles.
+  uint32_t first_triangle = 0, triangle_count = 0;
   uint32_t material = 0;
   uint32_t diagram = kNone, padding = 0;  ///< of a bulb whose intensity differs by direction
   Vec3 position{0};
   Vec3 direction{0, -1, 0};  ///< unit; in which the light shines
   Vec3 zero{1, 0, 0};        ///< unit, across `direction`: where a diagram's horizontal angle is 0
   Color color{1};
-  double cosine_full = 1,
-         cosine_none = 1;  ///< of the angles up to which a spot is bright, and from which it is dark
+  /// Of the angles up to which a spot is bright, and from which it is dark.
+  double cosine_full = 1, cosine_none = 1;
 };
 
 /// Of a luminous triangle or polygon as rays meet it, in its object's space.

@@ -30,8 +30,8 @@ struct RenderSettings {
   double min_weight = 1e-6;   ///< rays that would contribute less are not traced; 0: no cut-off
   uint32_t diffuse_rays = 1;  ///< N_D of the thesis's model, per hit
   double diffuse_reach = 0;   ///< where a diffuse ray's strength has fallen to a half; 0: it never falls
-  double diffuse_contrast =
-      0;  ///< difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never
+  /// Difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never.
+  double diffuse_contrast = 0;
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;

@@ -14,8 +14,7 @@ enum class TextureKind : uint32_t {
   marble,   ///< waves along x, disturbed by turbulence
   wood,     ///< one tree about the y axis: rings of equal area
   boards,   ///< a floor of boards along x, `aspect` long and 1 wide, each with its own place in the tree
-  bricks,   ///< a wall in x and y of bricks, `aspect` long and 1 high, each with its own tint; mortar `gap`
-            ///< wide
+  bricks,   ///< a wall in x and y, `aspect` long and 1 high, each with its own tint; mortar `gap` wide
   fourier,  ///< a sum of `octaves` sines, each in a direction of its own (thesis 2.3.6)
   image     ///< in (u, v), repeated
 };

@@ -1,0 +1,17 @@
+# Toolchain for 64-bit ARM, with Debian's cross compiler and a root of Debian's arm64 packages (RAYFARM_ARM64_ROOT).
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES RAYFARM_ARM64_ROOT)
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_SYSROOT ${RAYFARM_ARM64_ROOT})
+set(CMAKE_FIND_ROOT_PATH ${RAYFARM_ARM64_ROOT})
+set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+# Open MPI's compiler wrapper can't run here.
+set(MPI_C_HEADER_DIR ${RAYFARM_ARM64_ROOT}/usr/lib/aarch64-linux-gnu/openmpi/include)
+set(MPI_C_LIB_NAMES mpi)
+set(MPI_mpi_LIBRARY ${RAYFARM_ARM64_ROOT}/usr/lib/aarch64-linux-gnu/openmpi/lib/libmpi.so)
