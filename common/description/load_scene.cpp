@@ -10,6 +10,14 @@
 namespace rayfarm {
 namespace {
 
+/// Every format that a scene may be in.
+struct Format {
+  const char* extension;
+  SceneDescription (*load)(const std::string& path, const std::stop_token& stop);
+};
+constexpr Format kFormats[] = {
+    {".yaml", load_yaml_scene}, {".yml", load_yaml_scene}, {".nff", load_nff_scene}};
+
 /// What to do with a file that is no scene.
 std::string advice_for(const std::string& path, const std::string& extension) {
   static const std::set<std::string> kOtherMeshes{".3ds", ".abc",  ".blend", ".dae", ".fbx",
@@ -27,16 +35,14 @@ std::string advice_for(const std::string& path, const std::string& extension) {
 
 SceneDescription load_scene(const std::string& path, const std::stop_token& stop) try {
   const std::string extension = extension_of(path);
-  SceneDescription scene;
-  if (extension == ".yaml" || extension == ".yml")
-    scene = load_yaml_scene(path, stop);
-  else if (extension == ".nff")
-    scene = load_nff_scene(path, stop);
-  else
-    throw IoError(fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff{}", path,
-                              extension, advice_for(path, extension)));
-  validate(scene, stop);
-  return scene;
+  for (const Format& format : kFormats) {
+    if (extension != format.extension) continue;
+    SceneDescription scene = format.load(path, stop);
+    validate(scene, stop);
+    return scene;
+  }
+  throw IoError(fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff{}", path, extension,
+                            advice_for(path, extension)));
 } catch (const std::bad_alloc&) {
   throw IoError(fmt::format("{}: the scene and its files need more memory than there is", path));
 }

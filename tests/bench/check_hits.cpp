@@ -21,7 +21,7 @@ class Checker {
  public:
   explicit Checker(const CompiledScene& compiled)
       : scene_(compiled.scene), frame_pose_(scene_), pose_(frame_pose_.at(0)) {
-    for (const InstancePose& instance : pose_.instances) bounds_.grow(instance.bounds);
+    for (uint32_t i = 0; i < scene_.instances.size(); ++i) bounds_.grow(pose_[i].bounds);
   }
 
   /// The number of rays for which an answer differs.
@@ -105,7 +105,7 @@ class Checker {
     const auto vertex = [&](size_t k) {
       return Vec3(block.vertices[k][0][0], block.vertices[k][1][0], block.vertices[k][2][0]);
     };
-    const InstancePose& pose = pose_.instances[random() % pose_.instances.size()];
+    const InstancePose& pose = pose_[static_cast<uint32_t>(random() % scene_.instances.size())];
     return pose.world_from_object.point(0.5 * vertex(a) + 0.5 * vertex(b));
   }
 
