@@ -150,7 +150,7 @@ class LightingTree {
         facing.push_back(f);
       }
       if (rays.empty()) continue;
-      counts_.shadow += rays.size();
+      counts_[RayKind::shadow] += rays.size();
       const uint32_t blocked = any_hits(scene_, pose_, rays.span());
       for (size_t k = 0; k < facing.size(); ++k)
         if (!(blocked >> k & 1)) add_light(facing[k]);
@@ -229,9 +229,9 @@ class LightingTree {
       if (has_diffuse && add_diffuse_light(s, depth, mirror, reflect)) continue;
       if (is_mirrored) reflected.add(s, mirror, Color(reflect), kReflected);
     }
-    counts_.transmitted += transmitted.rays.size();
+    counts_[RayKind::transmitted] += transmitted.rays.size();
     follow(transmitted, depth);
-    counts_.reflected += reflected.rays.size();
+    counts_[RayKind::reflected] += reflected.rays.size();
     follow(reflected, depth);
   }
 
@@ -291,7 +291,7 @@ class LightingTree {
           serves_both = true;
           both = i - begin;
           branches.add(s, mirror, share + reflect, kReflected).as_diffuse = &as_diffuse[both];
-          ++counts_.reflected;
+          ++counts_[RayKind::reflected];
         } else {
           add_diffuse(branches, s, direction, share, kFirstDiffuse + i);
         }
@@ -325,7 +325,7 @@ class LightingTree {
     Branch& branch = branches.add(s, direction, share, child);
     branch.is_diffuse = true;
     branch.spread = kDiffuseSpread;
-    ++counts_.diffuse;
+    ++counts_[RayKind::diffuse];
   }
 
   /// What one more ray between two neighbours that differ adds to the sum: (a + b) / 2, what the two see of
@@ -355,7 +355,7 @@ class LightingTree {
 
 size_t trace_eye_rays(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
                       RayCounts& counts, Color* colors) {
-  counts.primary += rays.size();
+  counts[RayKind::primary] += rays.size();
   if (context.tables.settings.lighting == LightingModel::path)
     return trace_paths(context, rays, ids, counts, colors);
   OfPacket<Branch> branches;

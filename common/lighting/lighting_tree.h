@@ -2,24 +2,10 @@
 // The lighting tree (thesis 2.3.4): what a ray sees, by the models of Phong (Equation 2.4), Torrance and
 // Sparrow (2.2.3), Whitted (2.12) and the thesis (3.6a), with the depth and weight limits of Hall.
 #include "common/lighting/frame_context.h"
+#include "common/lighting/ray_counts.h"
 #include "common/scene/render_settings.h"
 
 namespace rayfarm {
-
-/// Rays traced, by kind.
-struct RayCounts {
-  uint64_t primary = 0, shadow = 0, reflected = 0, transmitted = 0, diffuse = 0;
-  uint64_t total() const { return primary + shadow + reflected + transmitted + diffuse; }
-  RayCounts& operator+=(const RayCounts& other) {
-    primary += other.primary;
-    shadow += other.shadow;
-    reflected += other.reflected;
-    transmitted += other.transmitted;
-    diffuse += other.diffuse;
-    return *this;
-  }
-  bool operator==(const RayCounts&) const = default;
-};
 
 /// The colours seen along up to kMostPacketRays eye rays, best neighbours, by the lighting model that the
 /// settings name; `ids` tell which samples they are, `counts` grows by every ray traced. Returns how many of

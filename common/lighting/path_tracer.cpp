@@ -69,7 +69,7 @@ class PathTracer {
     rays_.resize_for_overwrite(kept);
     paths_.resize_for_overwrite(kept);
     if (shadow_rays_.empty()) return;
-    counts_.shadow += shadow_rays_.size();
+    counts_[RayKind::shadow] += shadow_rays_.size();
     const uint32_t blocked = any_hits(scene_, pose_, shadow_rays_.span());
     for (size_t i = 0; i < shadow_rays_.size(); ++i)
       if (!(blocked >> i & 1)) *shadow_colors_[i].target += shadow_colors_[i].color;
@@ -127,9 +127,9 @@ class PathTracer {
     if (!survives(path, is_risky ? lobe.y : 0)) return false;
     if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
     ++path.depth;
-    ++(next.is_transmitted                    ? counts_.transmitted
-       : next.spread == Lobe::Spread::diffuse ? counts_.diffuse
-                                              : counts_.reflected);
+    ++(next.is_transmitted                    ? counts_[RayKind::transmitted]
+       : next.spread == Lobe::Spread::diffuse ? counts_[RayKind::diffuse]
+                                              : counts_[RayKind::reflected]);
     ray = {surface.ray_origin(next.direction), next.direction};
     return true;
   }
