@@ -422,10 +422,10 @@ TEST(Lighting, SamplesDoNotDependOnTheirPacket) {
       ids.push_back({static_cast<int>(i), 2, i});
     }
     std::array<Color, 8> together, alone;
-    trace_eye_rays(context, rays, ids, probe.counts, together.data());
+    make_integrator(model)->trace(context, rays, ids, probe.counts, together.data());
     for (size_t i = 0; i < 8; ++i)
-      trace_eye_rays(context, std::span(rays).subspan(i, 1), std::span(ids).subspan(i, 1), probe.counts,
-                     &alone[i]);
+      make_integrator(model)->trace(context, std::span(rays).subspan(i, 1), std::span(ids).subspan(i, 1),
+                                    probe.counts, &alone[i]);
     EXPECT_EQ(together, alone);
   }
 }

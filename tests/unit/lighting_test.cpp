@@ -15,8 +15,9 @@ struct World {
     const Ray ray{origin, normalized(direction)};
     const SampleId id;
     Color color;
-    trace_eye_rays({compiled.scene, pose, SamplingTables(settings, 0)}, std::span(&ray, 1), std::span(&id, 1),
-                   counts, &color);
+    make_integrator(settings.lighting)
+        ->trace({compiled.scene, pose, SamplingTables(settings, 0)}, std::span(&ray, 1), std::span(&id, 1),
+                counts, &color);
     return color;
   }
   CompiledScene compiled;
