@@ -91,7 +91,7 @@ void FarmHost::run() {
       result_.was_interrupted = true;
       is_over_ = true;
     }
-    progress_.show(now_s() - begin, result_.pixels_kept, total(result_.rays),
+    progress_.show(now_s() - begin, result_.pixels_kept, result_.rays.total(),
                    transport_.meter()->total(Command::return_result).bytes, assignment_.nodes_alive());
     if (is_idle) {
       backoff.wait();
@@ -104,7 +104,7 @@ void FarmHost::run() {
   const double end = now_s();
   result_.times.host_cpu_s = cpu_s() - cpu_begin;
   result_.times.trace_s = (traced > begin ? traced : end) - begin;
-  progress_.show(end - begin, result_.pixels_kept, total(result_.rays),
+  progress_.show(end - begin, result_.pixels_kept, result_.rays.total(),
                  transport_.meter()->total(Command::return_result).bytes, assignment_.nodes_alive(), true);
   progress_.clear();
 }
@@ -210,9 +210,10 @@ void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<c
   if (pixels.size() != width * height * pixel_bytes)
     throw ProtocolError("a block of another size than its subpolygon");
 
+  const RayCounts rays{report.rays};
   NodeResult& node_result = result_.nodes[static_cast<size_t>(node) - 1];
   ++node_result.subpolygons;
-  node_result.rays += total(report.rays);
+  node_result.rays += rays.total();
   node_result.busy_s += static_cast<double>(report.busy_us) * 1e-6;
   result_.pixels_received += width * height;
   if (!assignment_.accept(node, index, subpolygon, now)) {
@@ -234,10 +235,8 @@ void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<c
   frame_result.costs[static_cast<size_t>(subpolygon)] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
   frame_result.sees_anything |= report.sees_anything;
   frame_result.not_finite += report.not_finite;
-  for (size_t i = 0; i < report.rays.size(); ++i) {
-    frame_result.rays[i] += report.rays[i];
-    result_.rays[i] += report.rays[i];
-  }
+  frame_result.rays += rays;
+  result_.rays += rays;
   result_.pixels_kept += width * height;
 }
 
@@ -257,7 +256,7 @@ void FarmHost::carry_out(const Action& action) {
     FrameWriter::Job job{complete->frame, options_.files[i], options_.image, options_.attributes};
     job.image.pixels = std::move(frames_[i].pixels);
     job.attributes["rayfarm/frame"] = fmt::format("{}", options_.plan.frames[i]);
-    job.attributes["rayfarm/rays"] = fmt::format("{}", total(result_.frames[i].rays));
+    job.attributes["rayfarm/rays"] = fmt::format("{}", result_.frames[i].rays.total());
     writer_.submit(std::move(job));
   } else if (const auto* failed = std::get_if<FrameFailed>(&action)) {
     const auto i = static_cast<size_t>(failed->frame);

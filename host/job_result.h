@@ -1,21 +1,12 @@
 #pragma once
 // What a job did: filled while it runs, read by the report and the statistics file.
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-namespace rayfarm {
+#include "common/lighting/ray_counts.h"
 
-/// primary, shadow, reflected, transmitted, diffuse
-using RaysByKind = std::array<uint64_t, 5>;
-inline constexpr std::array<const char*, 5> kRayKinds{"primary", "shadow", "reflected", "transmitted",
-                                                      "diffuse"};
-inline uint64_t total(const RaysByKind& rays) {
-  uint64_t sum = 0;
-  for (const uint64_t r : rays) sum += r;
-  return sum;
-}
+namespace rayfarm {
 
 struct NodeResult {
   int id = 0;  ///< from 1: the rank
@@ -41,7 +32,7 @@ struct FrameResult {
   std::string sha256;
   std::string problem;  ///< empty: written
   bool is_written = false;
-  RaysByKind rays{};
+  RayCounts rays;
   bool sees_anything = false;  ///< an eye ray met something
   bool is_black = false;       ///< all pixels are 0
   uint64_t not_finite = 0;     ///< pixels that are infinite or not a number
@@ -61,7 +52,7 @@ struct JobResult {
   uint64_t pixels_received = 0;  ///< in results, duplicates too
   uint64_t pixels_kept = 0;
   uint64_t duplicates = 0;  ///< results dropped
-  RaysByKind rays{};
+  RayCounts rays;
   uint64_t scene_bytes = 0;  ///< of the block that load data carries
   PhaseTimes times;
   bool was_interrupted = false;

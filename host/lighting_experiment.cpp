@@ -55,15 +55,15 @@ const Picture kPictures[] = {
 };
 
 struct Outcome {
-  RaysByKind rays{};
+  RayCounts rays;
   double trace_s = 0;
 };
 
 Outcome read_outcome(const std::filesystem::path& stats) {
   const nlohmann::json json = read_json_file(stats.string());
   Outcome outcome;
-  for (size_t kind = 0; kind < kRayKinds.size(); ++kind)
-    outcome.rays[kind] = json.at("rays").at(kRayKinds[kind]);
+  for (size_t kind = 0; kind < kRayKinds; ++kind)
+    outcome.rays.by_kind[kind] = json.at("rays").at(kRayKindNames[kind]);
   outcome.trace_s = json.at("time_s").at("trace");
   return outcome;
 }
@@ -106,13 +106,13 @@ int run_lighting_experiment(const ExperimentOptions& options,
     const Outcome outcome = read_outcome(job.stats);
     if (std::string_view(plate) != picture.plate) first = outcome;
     plate = picture.plate;
-    const auto rays = total(outcome.rays);
+    const auto rays = outcome.rays.total();
     const double rays_ratio =
-        static_cast<double>(rays) / static_cast<double>(std::max<uint64_t>(1, total(first.rays)));
+        static_cast<double>(rays) / static_cast<double>(std::max<uint64_t>(1, first.rays.total()));
     const double time_ratio = first.trace_s > 0 ? outcome.trace_s / first.trace_s : 0;
     csv += fmt::format("{},{},{},{},{},{},{:.3f},{:.4f},{:.3f}\n", picture.name, picture.plate, picture.scene,
-                       picture.samples, fmt::join(outcome.rays, ","), rays, rays_ratio, outcome.trace_s,
-                       time_ratio);
+                       picture.samples, fmt::join(outcome.rays.by_kind, ","), rays, rays_ratio,
+                       outcome.trace_s, time_ratio);
     page += fmt::format("| {} | {}, {} | {:.2f} M | {:.2f} | {:.2f} s | {:.2f} | {} |\n", picture.name,
                         picture.scene, picture.samples, 1e-6 * static_cast<double>(rays), rays_ratio,
                         outcome.trace_s, time_ratio, picture.thesis);

@@ -43,13 +43,13 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
   fmt::format_to(
       out, "time     {:.2f} s: load {:.2f}, build {:.2f}, broadcast {:.2f}, trace {:.2f}, write {:.2f}\n",
       t.total_s, t.load_s, t.build_s, t.broadcast_s, t.trace_s, t.write_s);
-  const auto rays = static_cast<double>(total(result.rays));
+  const auto rays = static_cast<double>(result.rays.total());
   fmt::format_to(out, "rays     {}", format_count(rays));
   const char* separator = ": ";
-  for (size_t i = 0; i < kRayKinds.size(); ++i) {
-    if (result.rays[i] == 0) continue;
-    fmt::format_to(out, "{}{} {}", separator, kRayKinds[i],
-                   format_count(static_cast<double>(result.rays[i])));
+  for (size_t i = 0; i < kRayKinds; ++i) {
+    if (result.rays.by_kind[i] == 0) continue;
+    fmt::format_to(out, "{}{} {}", separator, kRayKindNames[i],
+                   format_count(static_cast<double>(result.rays.by_kind[i])));
     separator = ", ";
   }
   fmt::format_to(out, "\nspeed    {} on {} node{}\n",
@@ -76,7 +76,7 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
 std::string format_full_report(const JobResult& result, const TrafficMeter& meter, const JobPlan& plan) {
   std::string text;
   auto out = std::back_inserter(text);
-  const uint64_t rays = total(result.rays);
+  const uint64_t rays = result.rays.total();
   fmt::format_to(out, "\ntraffic                  messages          bytes\n");
   for (const Command command : kCommandList) {
     const Traffic t = meter.total(command);
@@ -94,8 +94,8 @@ std::string format_full_report(const JobResult& result, const TrafficMeter& mete
                  t.load_s, t.build_s, t.broadcast_s, t.trace_s, t.write_s, t.total_s);
   fmt::format_to(out, "rays   {} in all, {}", format_count(static_cast<double>(rays)),
                  format_rate(t.trace_s > 0 ? static_cast<double>(rays) / t.trace_s : 0, "rays/s"));
-  for (size_t i = 0; i < kRayKinds.size(); ++i)
-    if (result.rays[i] > 0) fmt::format_to(out, "; {} {}", kRayKinds[i], result.rays[i]);
+  for (size_t i = 0; i < kRayKinds; ++i)
+    if (result.rays.by_kind[i] > 0) fmt::format_to(out, "; {} {}", kRayKindNames[i], result.rays.by_kind[i]);
   fmt::format_to(out, "\nnode   subpolygons          rays     busy     idle  machine\n");
   for (const NodeResult& n : result.nodes)
     fmt::format_to(out, "{:>4}   {:>11}  {:>12}  {:>6.2f} s  {:>6.2f} s  {}{}\n", n.id, n.subpolygons, n.rays,
@@ -119,9 +119,9 @@ std::string format_full_report(const JobResult& result, const TrafficMeter& mete
 void write_statistics(const std::string& path, const JobResult& result, const TrafficMeter& meter,
                       const JobPlan& plan, const RenderSettings& settings, int ranks) {
   using nlohmann::json;
-  const auto rays_json = [](const RaysByKind& rays) {
+  const auto rays_json = [](const RayCounts& rays) {
     json j;
-    for (size_t i = 0; i < rays.size(); ++i) j[kRayKinds[i]] = rays[i];
+    for (size_t i = 0; i < kRayKinds; ++i) j[kRayKindNames[i]] = rays.by_kind[i];
     return j;
   };
   json j;

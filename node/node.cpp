@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <deque>
-#include <numeric>
 #include <thread>
 #include <utility>
 
@@ -16,6 +15,8 @@
 
 namespace rayfarm {
 namespace {
+
+static_assert(kRayCounters == kRayKinds, "the wire carries a counter for each kind of ray");
 
 constexpr double kPollInterval_s = 0.01;  ///< while tracing
 
@@ -138,7 +139,7 @@ class Node {
       if (plan_.ray_time_s > 0) pretend_until(begin + emulated_s(traced.rays));
       SubpolygonReport report{static_cast<uint32_t>(work.frame),
                               static_cast<uint32_t>(subpolygon),
-                              traced.rays,
+                              traced.rays.by_kind,
                               static_cast<uint64_t>((now_s() - begin) * 1e6),
                               traced.sees_anything,
                               traced.not_finite};
@@ -153,11 +154,10 @@ class Node {
   }
 
   /// What the emulated processor takes for so many rays.
-  double emulated_s(const std::array<uint64_t, 5>& rays) const {
+  double emulated_s(const RayCounts& rays) const {
     const auto& factors = plan_.time_factors;
     const double factor = factors.empty() ? 1 : factors[static_cast<size_t>(self_ - 1) % factors.size()];
-    return plan_.ray_time_s * factor *
-           static_cast<double>(std::accumulate(rays.begin(), rays.end(), uint64_t{0}));
+    return plan_.ray_time_s * factor * static_cast<double>(rays.total());
   }
 
   /// Lets time pass as an emulated processor's, without using this one.

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "common/lighting/ray_counts.h"
 #include "protocol/job_plan.h"
 #include "protocol/liveness.h"
 #include "protocol/transport.h"
@@ -17,7 +18,7 @@ class SubpolygonTracer {
   virtual ~SubpolygonTracer() = default;
   struct Traced {
     Bytes pixels;
-    std::array<uint64_t, 5> rays{};
+    RayCounts rays;
     bool sees_anything = true;  ///< an eye ray met something
     uint64_t not_finite = 0;    ///< pixels that are infinite or not a number
   };

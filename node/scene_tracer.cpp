@@ -14,11 +14,7 @@ class SceneTracer : public SubpolygonTracer {
   Traced trace(int frame, const DisplayPolygon& polygon, const std::function<void()>& pulse) override {
     const PixelRect rect{polygon.left, polygon.top, polygon.right + 1, polygon.bottom + 1};
     RenderedPixels rendered = renderer_.render(frame, rect, pulse);
-    const RayCounts& c = rendered.counts;
-    return {std::move(rendered.pixels),
-            {c.primary, c.shadow, c.reflected, c.transmitted, c.diffuse},
-            rendered.eye_hits > 0,
-            rendered.not_finite};
+    return {std::move(rendered.pixels), rendered.counts, rendered.eye_hits > 0, rendered.not_finite};
   }
 
  private:

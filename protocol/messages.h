@@ -61,12 +61,15 @@ DisplayPolygon decode_display_polygon(std::span<const std::byte> message);
 // ---- return result
 // --------------------------------------------------------------------------------------------
 
+/// Rays are counted in so many kinds, whose meaning host and nodes know.
+inline constexpr size_t kRayCounters = 5;
+
 /// What it took to trace a subpolygon. It travels in a block's header; beside the pixel wire it is a control
 /// message.
 struct SubpolygonReport {
   uint32_t frame = 0;
   uint32_t subpolygon = 0;
-  std::array<uint64_t, 5> rays{};  ///< primary, shadow, reflected, transmitted, diffuse
+  std::array<uint64_t, kRayCounters> rays{};
   uint64_t busy_us = 0;
   bool sees_anything = false;  ///< an eye ray met something
   uint64_t not_finite = 0;     ///< pixels that are infinite or not a number

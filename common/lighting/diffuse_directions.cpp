@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "common/math/portable_math.h"
-#include "common/sampling/warps.h"
 
 namespace rayfarm {
 
@@ -19,8 +18,8 @@ DiffuseDirections::DiffuseDirections(uint64_t rays)
 
 Vec3 DiffuseDirections::jittered(size_t ray, const Vec2& u) const {
   size_t first = 0, count = 1;  // of the ray's band
-  bool is_turned =
-      false;  // as every second one is by half a step, so that no two rays stand above each other
+  // As every second band is by half a step, so that no two rays stand above each other.
+  bool is_turned = false;
   if (ray > 0) {
     const size_t band = (ray - 1) / per_band_;
     first = 1 + band * per_band_;
@@ -36,9 +35,7 @@ Vec3 DiffuseDirections::jittered(size_t ray, const Vec2& u) const {
   return {sine * portable_cos(phi), cosine, sine * portable_sin(phi)};
 }
 
-Vec3 rotated_to(const Vec3& normal, const Vec3& about_y, double radians) {
-  const double c = portable_cos(radians), s = portable_sin(radians);
-  return Frame(normal).to_world({c * about_y.x - s * about_y.z, s * about_y.x + c * about_y.z, about_y.y});
-}
+TurnedFrame::TurnedFrame(const Vec3& normal, double radians)
+    : frame(normal), cosine(portable_cos(radians)), sine(portable_sin(radians)) {}
 
 }  // namespace rayfarm

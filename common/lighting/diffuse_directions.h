@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/math/vector.h"
+#include "common/sampling/warps.h"
 
 namespace rayfarm {
 
@@ -28,7 +29,16 @@ class DiffuseDirections {
   std::vector<Vec3> directions_;
 };
 
-/// Rotates a direction about +y to one about `normal`, after a turn about +y by `radians`.
-Vec3 rotated_to(const Vec3& normal, const Vec3& about_y, double radians);
+/// Turns directions about +y around it, and then to a normal.
+struct TurnedFrame {
+  TurnedFrame(const Vec3& normal, double radians);
+  Vec3 to_world(const Vec3& about_y) const {
+    return frame.to_world(
+        {cosine * about_y.x - sine * about_y.z, sine * about_y.x + cosine * about_y.z, about_y.y});
+  }
+
+  Frame frame;
+  double cosine, sine;  ///< of the turn around +y
+};
 
 }  // namespace rayfarm

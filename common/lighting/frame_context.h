@@ -2,10 +2,15 @@
 // What stays the same for all rays of one moment.
 #include "common/lighting/diffuse_directions.h"
 #include "common/lighting/surface.h"
+#include "common/math/inline_vector.h"
 #include "common/sampling/sampler.h"
 #include "common/scene/render_settings.h"
 
 namespace rayfarm {
+
+/// Of each ray of a packet.
+template <typename T>
+using OfPacket = InlineVector<T, kMostPacketRays>;
 
 /// What is laid out once for all rays.
 struct SamplingTables {

@@ -1,6 +1,5 @@
 #include "common/lighting/renderer.h"
 
-#include "common/math/inline_vector.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
@@ -10,9 +9,6 @@ constexpr size_t kRaysPerPulse = 64;
 // Pixels whose rays are traced together.
 constexpr int kBlockWidth_px = 4, kBlockHeight_px = 2;
 static_assert(kBlockWidth_px * kBlockHeight_px == kMostPacketRays);
-
-template <typename T>
-using OfPacket = InlineVector<T, kMostPacketRays>;
 
 struct Pixel {
   int x = 0, y = 0;
@@ -55,9 +51,10 @@ class PixelMap {
 /// One rectangle of the current frame.
 class Renderer::Rendering {
  public:
-  Rendering(const Renderer& renderer, const PixelRect& rect, const std::function<void()>& pulse)
+  Rendering(Renderer& renderer, const PixelRect& rect, const std::function<void()>& pulse)
       : settings_(renderer.settings_),
         passes_(renderer.passes_),
+        integrator_(*renderer.integrator_),
         filter_(renderer.filter_),
         tables_(*renderer.tables_),
         moments_(renderer.now_),
@@ -98,8 +95,8 @@ class Renderer::Rendering {
       const bool is_first = &pass == &passes_.front();
       std::array<Color, kMostPacketRays> more;
       Color* const channels = is_first ? colors : more.data();
-      counted.eye_hits += trace_eye_rays({pass.scene(), moment.pose, tables_, moment.camera.spread()}, rays,
-                                         ids, counted.counts, channels);
+      counted.eye_hits += integrator_.trace({pass.scene(), moment.pose, tables_, moment.camera.spread()},
+                                            rays, ids, counted.counts, channels);
       if (pass.pass().is_rgb) break;
       for (size_t i = 0; i < rays.size(); ++i) {
         const Color color = pass.pass().rgb_from_channels * channels[i];
@@ -278,6 +275,7 @@ class Renderer::Rendering {
 
   const RenderSettings& settings_;
   std::span<const ColouredScene> passes_;
+  Integrator& integrator_;
   const PixelFilter& filter_;
   const SamplingTables& tables_;
   std::span<const Moment> moments_;
@@ -292,6 +290,7 @@ class Renderer::Rendering {
 Renderer::Renderer(const Scene& scene, const RenderSettings& settings)
     : settings_(settings),
       passes_(make_coloured_scenes(scene, settings.colour)),
+      integrator_(make_integrator(settings.lighting)),
       filter_(settings.filter),
       moments_(scene) {}
 

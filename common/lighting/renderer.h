@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/lighting/coloured_scene.h"
-#include "common/lighting/lighting_tree.h"
+#include "common/lighting/integrators/integrator.h"
 #include "common/lighting/moments.h"
 #include "common/lighting/small_objects.h"
 #include "common/sampling/pixel_filter.h"
@@ -39,6 +39,7 @@ class Renderer {
 
   RenderSettings settings_;
   std::vector<ColouredScene> passes_;
+  std::unique_ptr<Integrator> integrator_;
   PixelFilter filter_;
   Moments moments_;
 

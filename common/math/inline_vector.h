@@ -1,10 +1,12 @@
 #pragma once
 // A vector of bounded length that lives where it is declared and, unlike std::array, costs nothing to
 // declare.
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 namespace rayfarm {
 
@@ -14,8 +16,12 @@ class InlineVector {
 
  public:
   InlineVector() {}  // leaves the storage as it is
-  InlineVector(const InlineVector&) = delete;
-  InlineVector& operator=(const InlineVector&) = delete;
+  InlineVector(const InlineVector& other) { *this = other; }
+  InlineVector& operator=(const InlineVector& other) {
+    size_ = other.size_;
+    std::copy(other.begin(), other.end(), data());
+    return *this;
+  }
 
   size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
@@ -23,6 +29,11 @@ class InlineVector {
   void clear() { size_ = 0; }
   /// There must be room.
   T& push_back(const T& value) { return *std::construct_at(data() + size_++, value); }
+  /// Makes the element in place of the arguments.
+  template <typename... Arguments>
+  T& emplace_back(Arguments&&... arguments) {
+    return *std::construct_at(data() + size_++, std::forward<Arguments>(arguments)...);
+  }
   /// Sets the length without setting the elements, which the caller then assigns.
   void resize_for_overwrite(size_t size) { size_ = size; }
 

@@ -167,7 +167,7 @@ TEST(Darkness, RenderersCountEyeRaysThatMeetAnythingHoweverTheFrameIsCut) {
       hits += renderer.render(0, rect, [] {}).eye_hits;
     EXPECT_EQ(hits, whole.eye_hits);
     EXPECT_GT(whole.eye_hits, 0u);
-    EXPECT_LT(whole.eye_hits + most_missed, whole.counts.primary);
+    EXPECT_LT(whole.eye_hits + most_missed, whole.counts[RayKind::primary]);
     EXPECT_EQ(whole.not_finite, 0u);
     return whole;
   };

@@ -23,7 +23,7 @@ class PaintingTracer : public SubpolygonTracer {
     for (int y = p.top; y <= p.bottom; ++y)
       for (int x = p.left; x <= p.right; ++x)
         for (const int v : {x, y, frame}) traced.pixels.push_back(static_cast<std::byte>(v));
-    traced.rays[0] = traced.pixels.size() / 3;
+    traced.rays[RayKind::primary] = traced.pixels.size() / 3;
     pulse();
     return traced;
   }
@@ -109,7 +109,7 @@ TEST(Farm, EveryPolicyAndWireAssemblesThePicture) {
           EXPECT_NEAR(pixels[3 * (y * 40 + x) + 1] * 255, static_cast<float>(y), 0.01);
           EXPECT_NEAR(pixels[3 * (y * 40 + x) + 2] * 255, 9.0f, 0.01);
         }
-      EXPECT_EQ(run.result.rays[0], 2u * 40 * 30);
+      EXPECT_EQ(run.result.rays[RayKind::primary], 2u * 40 * 30);
     }
 }
 

@@ -186,8 +186,9 @@ TEST(LightSampling, EnvironmentsLightPathsExactly) {
     const Ray ray{Vec3(0, 1, 0), Vec3(0, -1, 0)};
     const SampleId id{1, 2, i};
     Color color;
-    trace_eye_rays({lit.compiled.scene, lit.pose, tables}, std::span(&ray, 1), std::span(&id, 1), counts,
-                   &color);
+    make_integrator(settings.lighting)
+        ->trace({lit.compiled.scene, lit.pose, tables}, std::span(&ray, 1), std::span(&id, 1), counts,
+                &color);
     sum += color;
   }
   EXPECT_NEAR(sum.x / settings.samples / expected, 1, 0.002);

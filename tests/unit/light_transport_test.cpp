@@ -341,8 +341,8 @@ scene:
   probe.settings.diffuse_rays = 64;
   probe.counts = {};
   probe.mean(origin, direction, 1);
-  EXPECT_EQ(probe.counts.reflected, 1u);
-  EXPECT_EQ(probe.counts.diffuse, 63u);
+  EXPECT_EQ(probe.counts[RayKind::reflected], 1u);
+  EXPECT_EQ(probe.counts[RayKind::diffuse], 63u);
 }
 
 TEST(Thesis, MoreRaysWhereNeighborsDiffer) {
@@ -356,12 +356,12 @@ scene:
   probe.settings.max_depth = 2;
   probe.settings.diffuse_rays = 25;
   const Color few = probe.mean(Vec3(0, 0.1, 0), Vec3(0, -1, 0), 1);
-  EXPECT_EQ(probe.counts.diffuse, 25u);
+  EXPECT_EQ(probe.counts[RayKind::diffuse], 25u);
   probe.counts = {};
   probe.settings.diffuse_contrast = 0.002;
   const Color more = probe.mean(Vec3(0, 0.1, 0), Vec3(0, -1, 0), 1);
-  EXPECT_GT(probe.counts.diffuse, 25u);
-  EXPECT_LT(probe.counts.diffuse, 50u);
+  EXPECT_GT(probe.counts[RayKind::diffuse], 25u);
+  EXPECT_LT(probe.counts[RayKind::diffuse], 50u);
   EXPECT_NE(few, more);
   probe.settings.diffuse_rays = 10000;
   probe.settings.diffuse_contrast = 0;
@@ -422,10 +422,10 @@ TEST(Lighting, SamplesDoNotDependOnTheirPacket) {
       ids.push_back({static_cast<int>(i), 2, i});
     }
     std::array<Color, 8> together, alone;
-    trace_eye_rays(context, rays, ids, probe.counts, together.data());
+    make_integrator(model)->trace(context, rays, ids, probe.counts, together.data());
     for (size_t i = 0; i < 8; ++i)
-      trace_eye_rays(context, std::span(rays).subspan(i, 1), std::span(ids).subspan(i, 1), probe.counts,
-                     &alone[i]);
+      make_integrator(model)->trace(context, std::span(rays).subspan(i, 1), std::span(ids).subspan(i, 1),
+                                    probe.counts, &alone[i]);
     EXPECT_EQ(together, alone);
   }
 }

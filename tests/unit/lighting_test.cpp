@@ -15,8 +15,9 @@ struct World {
     const Ray ray{origin, normalized(direction)};
     const SampleId id;
     Color color;
-    trace_eye_rays({compiled.scene, pose, SamplingTables(settings, 0)}, std::span(&ray, 1), std::span(&id, 1),
-                   counts, &color);
+    make_integrator(settings.lighting)
+        ->trace({compiled.scene, pose, SamplingTables(settings, 0)}, std::span(&ray, 1), std::span(&id, 1),
+                counts, &color);
     return color;
   }
   CompiledScene compiled;
@@ -112,8 +113,8 @@ scene: [{material: glass, polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], 
 )");
   expect_color(world.trace(Vec3(0, -1, 0), Vec3(std::sin(M_PI / 3), std::cos(M_PI / 3), 0)),
                0.9 * Color(0.25, 0.5, 1));
-  EXPECT_EQ(world.counts.transmitted, 0u);
-  EXPECT_EQ(world.counts.reflected, 1u);
+  EXPECT_EQ(world.counts[RayKind::transmitted], 0u);
+  EXPECT_EQ(world.counts[RayKind::reflected], 1u);
 }
 
 class SceneScale : public testing::TestWithParam<double> {};
@@ -211,7 +212,7 @@ TEST(Render, CornersAreSharedAndCountedOnce) {
   Renderer renderer(compiled.scene, settings);
   const auto render = [&](const PixelRect& rect) { return renderer.render(0, rect, [] {}); };
   const RenderedPixels whole = render(settings.crop);
-  EXPECT_EQ(whole.counts.primary, 25u * 25u);
+  EXPECT_EQ(whole.counts[RayKind::primary], 25u * 25u);
   RayCounts sum;
   for (const PixelRect& rect : {PixelRect{0, 0, 10, 24}, PixelRect{10, 0, 24, 9}, PixelRect{10, 9, 24, 24}}) {
     const RenderedPixels part = render(rect);
@@ -306,8 +307,8 @@ scene: [{material: white, sphere: {center: [0, 0, 0], radius: 1.2}}]
   const Picture all = render_picture(compiled, settings, settings.crop, 0);
   settings.adaptive_contrast = 0.1;
   const Picture whole = render_picture(compiled, settings, settings.crop, 0);
-  EXPECT_LT(whole.counts.primary, 32u * 32u * 16u / 3);
-  EXPECT_GT(whole.counts.primary, 32u * 32u);
+  EXPECT_LT(whole.counts[RayKind::primary], 32u * 32u * 16u / 3);
+  EXPECT_GT(whole.counts[RayKind::primary], 32u * 32u);
   // Where a pixel got all its samples it is what it would have been anyway; elsewhere the disk or nothing.
   size_t greys = 0;
   for (size_t i = 0; i < whole.floats.size(); i += 3) {
@@ -360,8 +361,8 @@ scene:
       const Picture picture = render_picture(compiled, settings, settings.crop, frame);
       found += has_light(picture) ? 1 : 0;
       // Its pixels alone are sampled again, four of them at most and their neighbours.
-      EXPECT_GT(picture.counts.primary, 32u * 32u + 63u);
-      EXPECT_LT(picture.counts.primary, 32u * 32u + 16u * 64u);
+      EXPECT_GT(picture.counts[RayKind::primary], 32u * 32u + 63u);
+      EXPECT_LT(picture.counts[RayKind::primary], 32u * 32u + 16u * 64u);
     }
     EXPECT_EQ(found, 21) << speck;
     EXPECT_LT(found_by_one, 15) << speck;

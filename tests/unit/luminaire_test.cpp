@@ -244,8 +244,9 @@ scene:
       const Ray ray{0.8 * d, d};
       const SampleId id{i, 1, 0};
       Color color;
-      trace_eye_rays({probe.compiled.scene, probe.pose, tables}, std::span(&ray, 1), std::span(&id, 1),
-                     probe.counts, &color);
+      make_integrator(probe.settings.lighting)
+          ->trace({probe.compiled.scene, probe.pose, tables}, std::span(&ray, 1), std::span(&id, 1),
+                  probe.counts, &color);
       sum += color.x / kPlaces;
     }
     return sum / 0.36;

@@ -1,6 +1,6 @@
 #pragma once
 // What a lighting model sees along one ray of a small scene.
-#include "common/lighting/lighting_tree.h"
+#include "common/lighting/integrators/integrator.h"
 #include "common/scene/camera.h"
 #include "tests/unit/test_scene.h"
 
@@ -19,6 +19,7 @@ struct Probe {
     settings.samples = samples;
     const SamplingTables tables(settings, 0);
     const FrameContext context{compiled.scene, pose, tables};
+    const std::unique_ptr<Integrator> integrator = make_integrator(settings.lighting);
     const Ray ray{origin, normalized(direction)};
     const std::array<Ray, kMostPacketRays> rays{ray, ray, ray, ray, ray, ray, ray, ray};
     Color sum(0);
@@ -27,7 +28,7 @@ struct Probe {
       std::array<SampleId, kMostPacketRays> ids;
       for (size_t i = 0; i < n; ++i) ids[i] = {3, 7, sample + static_cast<uint32_t>(i)};
       std::array<Color, kMostPacketRays> colors;
-      trace_eye_rays(context, std::span(rays).first(n), std::span(ids).first(n), counts, colors.data());
+      integrator->trace(context, std::span(rays).first(n), std::span(ids).first(n), counts, colors.data());
       for (size_t i = 0; i < n; ++i) sum += colors[i];
     }
     return sum / static_cast<double>(samples);

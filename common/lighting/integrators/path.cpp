@@ -1,10 +1,12 @@
-#include "common/lighting/path_tracer.h"
-
+// The rendering equation without bias: paths that scatter as the materials do, a shadow ray to one source at
+// each turn, both weighted by multiple importance sampling (Veach 1997), ended by Russian roulette. The
+// reference for the other lighting models. Ambient light, their stand-in for what paths find, is left out.
 #include "common/lighting/environment.h"
+#include "common/lighting/integrators/integrator.h"
 #include "common/lighting/light_choice.h"
+#include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
 #include "common/lighting/textured.h"
-#include "common/math/inline_vector.h"
 #include "common/math/portable_math.h"
 
 namespace rayfarm {
@@ -16,31 +18,33 @@ constexpr uint32_t kFirstRoulette = 4;
 /// A path on its way.
 struct Path {
   Color throughput{1};
-  Color* color = nullptr;
+  uint32_t place = 0;  ///< of its eye ray, whose colour it adds to
   SampleId id;
   Media media;
   double pdf = 0;  ///< of the last direction; 0: only chance could have led here, as along a mirror's
   double width = 0, spread = 0;  ///< of the ray's cone
   uint32_t depth = 1;
 };
+static_assert(std::is_trivially_copyable_v<Path>);
 
 /// Up to kMostPacketRays paths go on together; what becomes of one does not depend on the others.
 class PathTracer {
  public:
-  PathTracer(const FrameContext& context, RayCounts& counts)
+  PathTracer(const FrameContext& context, RayCounts& counts, Color* colors)
       : scene_(context.scene),
         pose_(context.pose),
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
-        counts_(counts) {}
+        counts_(counts),
+        colors_(colors) {}
 
   /// `spread`: of the rays' cones. Returns how many rays met an object.
-  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors) {
+  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread) {
     for (size_t i = 0; i < rays.size(); ++i) {
-      colors[i] = Color(0);
+      colors_[i] = Color(0);
       rays_.push_back(rays[i]);
       Path path;
-      path.color = &colors[i];
+      path.place = static_cast<uint32_t>(i);
       path.id = ids[i];
       path.spread = spread;
       paths_.push_back(path);
@@ -50,9 +54,6 @@ class PathTracer {
   }
 
  private:
-  template <typename T>
-  using OfPacket = InlineVector<T, kMostPacketRays>;
-
   void step() {
     std::array<Hit, kMostPacketRays> hits;
     closest_hits(scene_, pose_, rays_.span(), hits.data());
@@ -69,10 +70,10 @@ class PathTracer {
     rays_.resize_for_overwrite(kept);
     paths_.resize_for_overwrite(kept);
     if (shadow_rays_.empty()) return;
-    counts_.shadow += shadow_rays_.size();
+    counts_[RayKind::shadow] += shadow_rays_.size();
     const uint32_t blocked = any_hits(scene_, pose_, shadow_rays_.span());
     for (size_t i = 0; i < shadow_rays_.size(); ++i)
-      if (!(blocked >> i & 1)) *shadow_colors_[i].target += shadow_colors_[i].color;
+      if (!(blocked >> i & 1)) colors_[shadow_colors_[i].place] += shadow_colors_[i].color;
   }
 
   /// Adds what the path finds where it hits, and turns `ray` into what follows. False: the path ends.
@@ -82,7 +83,7 @@ class PathTracer {
       if (path.pdf > 0 && scene_.head().environment != kNone)
         light *= balance(path.pdf, choice_probability(scene_, environment_source(scene_)) *
                                        environment_pdf(scene_, ray.direction));
-      *path.color += light;
+      colors_[path.place] += light;
       return false;
     }
     if (path.depth == 1) ++eye_hits_;
@@ -127,9 +128,9 @@ class PathTracer {
     if (!survives(path, is_risky ? lobe.y : 0)) return false;
     if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
     ++path.depth;
-    ++(next.is_transmitted                    ? counts_.transmitted
-       : next.spread == Lobe::Spread::diffuse ? counts_.diffuse
-                                              : counts_.reflected);
+    ++(next.is_transmitted                    ? counts_[RayKind::transmitted]
+       : next.spread == Lobe::Spread::diffuse ? counts_[RayKind::diffuse]
+                                              : counts_[RayKind::reflected]);
     ray = {surface.ray_origin(next.direction), next.direction};
     return true;
   }
@@ -151,7 +152,7 @@ class PathTracer {
       if (const uint32_t source = find_luminaire(scene_, hit.instance, hit.primitive); source != kNone)
         light *= balance(path.pdf, choice_probability(scene_, source) *
                                        light_pdf(scene_, pose_, scene_.lights[source], ray.origin, surface));
-    *path.color += light;
+    colors_[path.place] += light;
   }
 
   /// A shadow ray to one of the sources.
@@ -174,7 +175,7 @@ class PathTracer {
     const Vec3 origin = surface.ray_origin(sample.to_light);
     shadow_rays_.push_back({origin, sample.target - origin, 1});
     shadow_colors_.push_back(
-        {path.color, path.throughput * scattered.value * sample.incident * (weight / probability)});
+        {path.place, path.throughput * scattered.value * sample.incident * (weight / probability)});
   }
 
   /// The power heuristic for one sample of each of two densities (Veach 1997, section 9.2.4).
@@ -193,8 +194,9 @@ class PathTracer {
     return true;
   }
 
+  /// What a shadow ray brings if nothing is in its way.
   struct ShadowColor {
-    Color* target;
+    uint32_t place;  ///< of the path's eye ray
     Color color;
   };
 
@@ -203,17 +205,25 @@ class PathTracer {
   const RenderSettings& settings_;
   const Sampler& sampler_;
   RayCounts& counts_;
+  Color* colors_;  ///< of the eye rays
   size_t eye_hits_ = 0;
   OfPacket<Ray> rays_, shadow_rays_;
   OfPacket<Path> paths_;
   OfPacket<ShadowColor> shadow_colors_;
 };
 
+class PathIntegrator : public Integrator {
+ private:
+  size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+                RayCounts& counts, Color* colors) override {
+    return PathTracer(context, counts, colors).trace(rays, ids, context.spread);
+  }
+};
+
 }  // namespace
 
-size_t trace_paths(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
-                   RayCounts& counts, Color* colors) {
-  return PathTracer(context, counts).trace(rays, ids, context.spread, colors);
+std::unique_ptr<Integrator> make_path() {
+  return std::make_unique<PathIntegrator>();
 }
 
 }  // namespace rayfarm

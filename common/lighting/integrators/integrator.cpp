@@ -1,0 +1,21 @@
+#include "common/lighting/integrators/integrator.h"
+
+namespace rayfarm {
+
+std::unique_ptr<Integrator> make_integrator(LightingModel model) {
+  switch (model) {
+    case LightingModel::phong:
+      return make_phong();
+    case LightingModel::torrance_sparrow:
+      return make_torrance_sparrow();
+    case LightingModel::whitted:
+      return make_whitted();
+    case LightingModel::thesis:
+      return make_thesis();
+    case LightingModel::path:
+      return make_path();
+  }
+  return nullptr;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,85 @@
+#include "common/lighting/integrators/lighting_tree.h"
+
+namespace rayfarm {
+
+SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, double min_weight) {
+  const Material& material = *surface.material;
+  SecondaryRays rays;
+  if (!(material.reflect > 0) && !(material.transmit > 0)) return rays;
+  const Interaction at = surface.interaction();
+  rays.reflect = material.reflect;
+  rays.transmit = material.transmit;
+  if (material.transmit > 0) {
+    rays.transmitted = refracted(at);
+    if (rays.transmitted == Vec3(0))
+      rays.reflect += material.transmit;
+    else
+      rays.is_transmitted = weight * material.transmit >= min_weight;
+  }
+  rays.is_reflected = weight * rays.reflect >= min_weight;
+  if (rays.is_reflected) rays.reflected = mirrored(at);
+  return rays;
+}
+
+Batch LightingTree::plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread,
+                          Color* colors) {
+  forks_.clear();
+  batches_.clear();
+  rays_.clear();
+  branches_.clear();
+  colors_ = colors;
+  Batch batch(1);
+  for (size_t i = 0; i < rays.size(); ++i) {
+    batch.rays.push_back(rays[i]);
+    Branch& branch = batch.branches.push_back({});
+    branch.receiver.place = static_cast<uint32_t>(i);
+    branch.id = ids[i];
+    branch.spread = spread;
+  }
+  return batch;
+}
+
+Branch& LightingTree::grow(const Branch& from, const Surface& surface, const Vec3& direction, double share,
+                           uint32_t child, Batch& batch) {
+  batch.rays.push_back({surface.ray_origin(direction), direction});
+  Branch& branch = batch.branches.push_back(from);
+  branch.weight *= share;
+  branch.stream = static_cast<uint32_t>(mix_bits(uint64_t{from.stream} << 32 | child));
+  return branch;
+}
+
+void LightingTree::grow_secondary(uint32_t fork, const Branch& from, const Surface& surface,
+                                  const SecondaryRays& rays, Batch& transmitted, Batch& reflected) {
+  if (rays.is_transmitted) {
+    grow(from, surface, rays.transmitted, rays.transmit, kTransmitted, transmitted).receiver = {
+        Receiver::Kind::transmitted, fork, 0, rays.transmit};
+    ++forks_[fork].pending;
+  }
+  if (rays.is_reflected) {
+    grow(from, surface, rays.reflected, rays.reflect, kReflected, reflected).receiver = {
+        Receiver::Kind::reflected, fork, 0, rays.reflect};
+    ++forks_[fork].pending;
+  }
+}
+
+void LightingTree::push(const Batch& batch) {
+  if (batch.rays.empty()) return;
+  batches_.push_back({batch.depth, static_cast<uint32_t>(batch.rays.size())});
+  rays_.insert(rays_.end(), batch.rays.begin(), batch.rays.end());
+  branches_.insert(branches_.end(), batch.branches.begin(), batch.branches.end());
+}
+
+Batch LightingTree::pop() {
+  const auto [depth, count] = batches_.back();
+  batches_.pop_back();
+  Batch batch(depth);
+  for (size_t i = rays_.size() - count; i < rays_.size(); ++i) {
+    batch.rays.push_back(rays_[i]);
+    batch.branches.push_back(branches_[i]);
+  }
+  rays_.resize(rays_.size() - count);
+  branches_.resize(branches_.size() - count);
+  return batch;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,132 @@
+#pragma once
+// The lighting tree (thesis 2.3.4) as a list of work: batches of rays to trace, each with its branch of the
+// tree, and forks, surfaces that wait for the light of theirs. What is seen does not depend on the order in
+// which batches are traced: a fork adds up what its branches brought in the order of their kinds, once all
+// have. The last batch in is the first out, so that few wait: a transmitted and a reflected one at each
+// depth, and what a model adds.
+#include <optional>
+#include <vector>
+
+#include "common/lighting/integrators/classical_surface.h"
+#include "common/lighting/integrators/pool.h"
+
+namespace rayfarm {
+
+/// Whom a ray brings its light to.
+struct Receiver {
+  /// A fork, of which it is the transmitted or the reflected branch; the eye; or something that the model
+  /// keeps itself.
+  enum class Kind : uint8_t { transmitted, reflected, eye, own };
+  Kind kind = Kind::eye;
+  uint32_t fork = 0;   ///< own: what the model likes
+  uint32_t place = 0;  ///< eye: among the eye rays; own: what the model likes
+  double share = 1;    ///< of what the ray sees in what the fork shows
+};
+
+/// Where a ray stands in its lighting tree.
+struct Branch {
+  Receiver receiver;
+  double weight = 1;    ///< the largest share that its colour can have in its pixel
+  SampleId id;          ///< its sample
+  uint32_t stream = 0;  ///< tells the branches of one sample apart, for their random numbers
+  /// Of its cone where it begins (once traced: where it ends), and what it gains with each unit of length.
+  double width = 0, spread = 0;
+};
+static_assert(std::is_trivially_copyable_v<Branch>);
+
+/// A surface that branches leave.
+struct Fork {
+  Fork(const Receiver& of, const Color& light) : receiver(of), color(light) {}
+  Receiver receiver;                   ///< of what it shows
+  uint32_t pending = 0;                ///< how many of its branches are on their way
+  Color color;                         ///< without its branches' light
+  Color transmitted{0}, reflected{0};  ///< what branches brought
+};
+static_assert(std::is_trivially_copyable_v<Fork>);
+
+/// Rays of one depth to trace.
+struct Batch {
+  explicit Batch(uint32_t at_depth) : depth(at_depth) {}
+  uint32_t depth;  ///< 1: eye rays
+  OfPacket<Ray> rays;
+  OfPacket<Branch> branches;
+};
+
+/// The rays that a surface refracts and mirrors.
+struct SecondaryRays {
+  bool is_transmitted = false, is_reflected = false;  ///< there is such a ray
+  Vec3 transmitted, reflected;                        ///< its direction, unit
+  double transmit = 0, reflect = 0;                   ///< its share
+};
+
+/// Empty for a surface that neither reflects nor transmits. One that transmits also spawns a reflected ray,
+/// even one of weight 0 if there is no cut-off: that is how published ray counts were made. Total internal
+/// reflection sends the transmitted share along the mirror direction. `weight`: of the ray that met the
+/// surface.
+SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, double min_weight);
+
+class LightingTree {
+ public:
+  /// Begins anew with eye rays, the first batch; `colors` are set as what they see is known.
+  Batch plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors);
+
+  /// Numbers of the rays that leave a surface, which tell them apart; from kFirstOwn on they are the model's.
+  enum Child : uint32_t { kTransmitted = 1, kReflected, kFirstOwn };
+  /// A ray along `direction` from the surface that `from` met, whose width is that at the surface, enters the
+  /// batch.
+  static Branch& grow(const Branch& from, const Surface& surface, const Vec3& direction, double share,
+                      uint32_t child, Batch& batch);
+  /// The surface that a ray met waits for others; `light` is what it shows without them.
+  uint32_t add_fork(const Receiver& receiver, const Color& light) { return forks_.add(receiver, light); }
+  Fork& operator[](uint32_t fork) { return forks_[fork]; }
+  /// The secondary rays that there are.
+  void grow_secondary(uint32_t fork, const Branch& from, const Surface& surface, const SecondaryRays& rays,
+                      Batch& transmitted, Batch& reflected);
+
+  /// To be traced before all others.
+  void push(const Batch& batch);
+  bool has_batch() const { return !batches_.empty(); }
+  Batch pop();
+
+  /// What comes to something of the model's own.
+  struct Delivery {
+    Receiver receiver;
+    Color color;
+  };
+  /// Brings the light of a ray to its receiver, and so on from forks that it was the last for.
+  std::optional<Delivery> deliver(Receiver receiver, Color color) {
+    while (true) {
+      if (receiver.kind == Receiver::Kind::eye) {
+        colors_[receiver.place] = color;
+        return std::nullopt;
+      }
+      if (receiver.kind == Receiver::Kind::own) return Delivery{receiver, color};
+      Fork& fork = forks_[receiver.fork];
+      (receiver.kind == Receiver::Kind::transmitted ? fork.transmitted : fork.reflected) =
+          receiver.share * color;
+      if (--fork.pending > 0) return std::nullopt;
+      forks_.release(receiver.fork);
+      color = fork.color + fork.transmitted + fork.reflected;
+      receiver = fork.receiver;
+    }
+  }
+  /// The same for something of the model's own that a fork waited for.
+  std::optional<Delivery> settle(uint32_t place) {
+    const Fork& fork = forks_[place];
+    if (--forks_[place].pending > 0) return std::nullopt;
+    forks_.release(place);
+    return deliver(fork.receiver, fork.color + fork.transmitted + fork.reflected);
+  }
+
+ private:
+  struct Waiting {
+    uint32_t depth, count;
+  };
+  Pool<Fork> forks_;
+  std::vector<Waiting> batches_;
+  std::vector<Ray> rays_;         ///< of all batches, one after the other
+  std::vector<Branch> branches_;  ///< each ray's
+  Color* colors_ = nullptr;
+};
+
+}  // namespace rayfarm

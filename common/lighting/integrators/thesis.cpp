@@ -1,0 +1,347 @@
+// The thesis's model (Equation 3.6a): Whitted's, with light from secondary sources in place of ambient light.
+// Diffuse rays gather it in fixed directions (3.3), and lose strength on their way (3.2).
+#include <limits>
+#include <numbers>
+
+#include "common/lighting/environment.h"
+#include "common/lighting/integrators/integrator.h"
+#include "common/lighting/integrators/lighting_tree.h"
+#include "common/lighting/light_sampling.h"
+
+namespace rayfarm {
+namespace {
+
+/// Diffuse rays that are no farther apart than 60 degrees are neighbours.
+constexpr double kLeastNeighborCosine = 0.5;
+
+/// A ray that gathers diffuse light.
+struct GatheringRay {
+  Vec3 direction;
+  bool serves_both;  ///< it is the reflected ray, too
+  double distance;   ///< to what it met
+  Color counted;     ///< of the light that it met: what shadow rays bring, too
+  Color color;       ///< the diffuse light that it brought
+};
+
+/// The diffuse light at a surface, which rays gather: this sample's part of the pixel's directions, in
+/// packets.
+struct Gathering {
+  Gathering(uint32_t of_fork, uint32_t at_depth, uint32_t of_directions, const Branch& of_branch,
+            const Surface& at, double turn, const Color& of_ray)
+      : fork(of_fork),
+        depth(at_depth),
+        part(of_directions),
+        branch(of_branch),
+        surface(at),
+        frame(at.shading_normal, turn),
+        share(of_ray) {}
+
+  uint32_t fork;   ///< which it belongs to
+  uint32_t depth;  ///< of the gathering rays
+  uint32_t part;   ///< of the directions
+  Branch branch;   ///< of the ray that met the surface
+  Surface surface;
+  TurnedFrame frame;
+  Color share;  ///< of what a ray brings
+  /// A reflected ray that falls into a diffuse ray's own cone serves both terms (3.4): the number of that
+  /// ray, or kNone; the reflected ray's direction and share; what it saw.
+  uint32_t both = kNone;
+  Vec3 mirror{0};
+  double reflect = 0;
+  Color reflected{0};
+
+  uint32_t next = 0;     ///< the first ray that is in no packet yet
+  uint32_t pending = 0;  ///< rays on their way
+  Color sum{0};          ///< of the packets before
+  uint32_t count = 0;    ///< of the packet's rays
+  uint32_t extras = 0;   ///< bit k: there is an extra ray before the packet's ray k
+  GatheringRay last;     ///< of the packet before
+  /// The packet's rays; then extra ones, each between a ray and the one before it.
+  std::array<GatheringRay, 2 * kMostPacketRays> rays;
+};
+static_assert(std::is_trivially_copyable_v<Gathering>);
+
+/// What is on its way, for one packet of eye rays.
+struct Work {
+  LightingTree tree;
+  Pool<Gathering> gatherings;
+  std::vector<uint32_t> ready;  ///< gatherings that wait for no ray
+};
+
+class ThesisTracer {
+ public:
+  ThesisTracer(const FrameContext& context, Work& work, RayCounts& counts)
+      : context_(context),
+        scene_(context.scene),
+        settings_(context.tables.settings),
+        tree_(work.tree),
+        gatherings_(work.gatherings),
+        ready_(work.ready),
+        counts_(counts) {}
+
+  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids, Color* colors) {
+    gatherings_.clear();
+    ready_.clear();
+    const size_t eye_hits = trace(tree_.plant(rays, ids, context_.spread, colors));
+    while (true) {
+      if (!ready_.empty()) {
+        const uint32_t next = ready_.back();
+        ready_.pop_back();
+        resume(next);
+      } else if (tree_.has_batch()) {
+        trace(tree_.pop());
+      } else {
+        return eye_hits;
+      }
+    }
+  }
+
+ private:
+  /// Returns how many rays met an object.
+  size_t trace(Batch batch) {
+    std::array<Hit, kMostPacketRays> hits;
+    closest_hits(scene_, context_.pose, batch.rays.span(), hits.data());
+    OfPacket<ClassicalSurface> surfaces;
+    OfPacket<size_t> ray_of_surface;
+    for (size_t i = 0; i < batch.rays.size(); ++i) {
+      if (!hits[i].is_hit()) {
+        take(tree_.deliver(batch.branches[i].receiver, eval_background(scene_, batch.rays[i].direction)));
+        continue;
+      }
+      ray_of_surface.push_back(i);
+      Branch& branch = batch.branches[i];
+      branch.width += hits[i].t * branch.spread;
+      ClassicalSurface& surface =
+          surfaces.emplace_back(context_, batch.rays[i], hits[i], branch.width, branch.id, branch.stream);
+      GatheringRay* const ray = gathering_ray(branch.receiver);
+      if (is_luminaire(*surface.material)) add_emission(surface, hits[i], ray);
+      if (!ray) continue;
+      ray->distance = hits[i].t;
+      if (!ray->serves_both) branch.weight *= strength(ray->distance);
+    }
+    if (surfaces.empty()) return 0;
+    add_direct_light(context_, {.has_reflected_rays = true}, surfaces.span(), counts_);
+
+    Batch transmitted(batch.depth + 1), reflected(batch.depth + 1);
+    for (size_t k = 0; k < surfaces.size(); ++k) {
+      const Branch& branch = batch.branches[ray_of_surface[k]];
+      if (batch.depth == settings_.max_depth || !add_rays(branch, surfaces[k], transmitted, reflected))
+        take(tree_.deliver(branch.receiver, surfaces[k].light()));
+    }
+    counts_[RayKind::transmitted] += transmitted.rays.size();
+    counts_[RayKind::reflected] += reflected.rays.size();
+    tree_.push(reflected);
+    tree_.push(transmitted);
+    return surfaces.size();
+  }
+
+  /// The ray of a gathering, if it is one's.
+  GatheringRay* gathering_ray(const Receiver& receiver) {
+    return receiver.kind == Receiver::Kind::own ? &gatherings_[receiver.fork].rays[receiver.place] : nullptr;
+  }
+
+  /// A primary source that shadow rays are sent to must not be counted again when a diffuse ray meets it.
+  void add_emission(ClassicalSurface& surface, const Hit& hit, GatheringRay* ray) const {
+    const bool is_counted = ray && find_luminaire(scene_, hit.instance, hit.primitive) != kNone;
+    if (is_counted && !ray->serves_both) return;
+    const Color light = emitted(*surface.material, surface.interaction());
+    surface.specular += light;
+    if (is_counted) ray->counted = light;
+  }
+
+  /// What a gathering ray brings, if that is what was delivered.
+  void take(const std::optional<LightingTree::Delivery>& delivery) {
+    if (!delivery) return;
+    const auto& [receiver, color] = *delivery;
+    Gathering& gathering = gatherings_[receiver.fork];
+    GatheringRay& ray = gathering.rays[receiver.place];
+    if (ray.serves_both) gathering.reflected = color;
+    ray.color = weakened(ray.serves_both ? color - ray.counted : color, ray.distance);
+    if (--gathering.pending == 0) ready_.push_back(receiver.fork);
+  }
+
+  /// How much of its light a diffuse ray of this length brings (thesis 3.2).
+  double strength(double distance) const {
+    if (!(settings_.diffuse_reach > 0)) return 1;
+    const double ratio = distance / settings_.diffuse_reach;
+    return 1 / (1 + ratio * ratio);
+  }
+
+  /// What a diffuse ray brings of the light that it met: ambient light stands in for what is lost.
+  Color weakened(const Color& color, double distance) const {
+    if (!(settings_.diffuse_reach > 0)) return color;
+    const double s = strength(distance);
+    return s * color + (1 - s) * scene_.head().ambient;
+  }
+
+  /// All rays that leave a surface. False: there are none.
+  bool add_rays(const Branch& branch, const ClassicalSurface& surface, Batch& transmitted, Batch& reflected) {
+    SecondaryRays secondary = secondary_rays(surface, branch.weight, settings_.min_weight);
+    const Color share = (surface.material->diffuse / settings_.diffuse_rays) * surface.color;
+    const bool is_gathered =
+        max_component(share) > 0 && branch.weight * max_component(share) >= settings_.min_weight;
+    if (!is_gathered && !secondary.is_transmitted && !secondary.is_reflected) return false;
+    const uint32_t fork = tree_.add_fork(branch.receiver, surface.light());
+    if (is_gathered && begin_gathering(fork, transmitted.depth, branch, surface.surface, share, secondary))
+      secondary.is_reflected = false;
+    tree_.grow_secondary(fork, branch, surface.surface, secondary, transmitted, reflected);
+    return true;
+  }
+
+  /// Light from secondary sources (Equation 3.6a, second term). True: a diffuse ray serves the reflected
+  /// term, too.
+  bool begin_gathering(uint32_t fork, uint32_t depth, const Branch& branch, const Surface& surface,
+                       const Color& share, const SecondaryRays& secondary) {
+    // One turn for all samples of a pixel keeps the set together; each takes a part of it, in random order.
+    SampleId pixel = branch.id;
+    uint32_t sample = pixel.sample;
+    if (settings_.sampling == SamplingPattern::corners) {
+      sample = static_cast<uint32_t>((pixel.x & 1) + 2 * (pixel.y & 1));
+      pixel.x &= ~1;
+      pixel.y &= ~1;
+    }
+    pixel.sample = 0;
+    const auto r = random_pair(settings_.seed, context_.tables.sampler.frame(), pixel,
+                               branch.stream << 8 | dimension::kPattern);
+    const double turn = 2 * std::numbers::pi * r[0];
+    const uint32_t part = permuted(sample, samples(), static_cast<uint64_t>(r[1] * 0x1p53));
+    const uint32_t place = gatherings_.add(fork, depth, part, branch, surface, turn, share);
+    Gathering& gathering = gatherings_[place];
+    gathering.mirror = secondary.reflected;
+    gathering.reflect = secondary.reflect;
+    if (secondary.is_reflected) gathering.both = ray_about_mirror(gathering);
+    ++tree_[fork].pending;
+    ready_.push_back(place);
+    return gathering.both != kNone;
+  }
+
+  /// That the directions of a pixel are spread over.
+  uint32_t samples() const { return static_cast<uint32_t>(samples_that_share_directions(settings_)); }
+
+  /// The first ray into whose own cone the mirror direction falls, or kNone.
+  uint32_t ray_about_mirror(const Gathering& gathering) {
+    // Of n rays each stands for 2π / n of the hemisphere: a cap of this cosine.
+    const auto rays = static_cast<double>(context_.tables.diffuse_directions.about_y().size());
+    const double cosine_of_cone = 1 - 1 / rays;
+    for (uint32_t i = 0; i < settings_.diffuse_rays; ++i)
+      if (glm::dot(direction_of(gathering, i), gathering.mirror) > cosine_of_cone) return i;
+    return kNone;
+  }
+
+  Vec3 direction_of(const Gathering& gathering, uint32_t i) {
+    const DiffuseDirections& directions = context_.tables.diffuse_directions;
+    const size_t ray = gathering.part + size_t{i} * samples();
+    if (!settings_.diffuse_jitter) return gathering.frame.to_world(directions.about_y()[ray]);
+    const Branch& branch = gathering.branch;
+    const uint32_t child = LightingTree::kFirstOwn + i;
+    const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{branch.stream} << 32 | child));
+    const auto r = random_pair(settings_.seed, context_.tables.sampler.frame(), branch.id,
+                               stream << 8 | dimension::kDirection);
+    return gathering.frame.to_world(directions.jittered(ray, {r[0], r[1]}));
+  }
+
+  /// What follows once all rays are back: extra ones, the next packet, or the end.
+  void resume(uint32_t place) {
+    Gathering& gathering = gatherings_[place];
+    if (gathering.extras == 0 && settings_.diffuse_contrast > 0 && send_extras(place)) return;
+    add_up(gathering);
+    if (gathering.next < settings_.diffuse_rays) {
+      send_packet(place);
+      return;
+    }
+    Color& color = tree_[gathering.fork].color;
+    if (gathering.both != kNone) color += gathering.reflect * gathering.reflected;
+    color += gathering.share * gathering.sum;
+    gatherings_.release(place);
+    take(tree_.settle(gathering.fork));
+  }
+
+  void send_packet(uint32_t place) {
+    Gathering& gathering = gatherings_[place];
+    Batch batch(gathering.depth);
+    for (; gathering.next < settings_.diffuse_rays && !batch.rays.is_full(); ++gathering.next) {
+      const bool serves_both = gathering.next == gathering.both;
+      send(place, batch.rays.size(), serves_both ? gathering.mirror : direction_of(gathering, gathering.next),
+           serves_both, LightingTree::kFirstOwn + gathering.next, batch);
+    }
+    gathering.count = static_cast<uint32_t>(batch.rays.size());
+    tree_.push(batch);
+  }
+
+  /// One more ray between neighbours that differ (3.3). False: there are none.
+  bool send_extras(uint32_t place) {
+    Gathering& gathering = gatherings_[place];
+    const uint32_t first = gathering.next - gathering.count;
+    Batch batch(gathering.depth);
+    for (uint32_t k = 0; k < gathering.count; ++k) {
+      if (first + k == 0) continue;
+      const GatheringRay &a = before(gathering, k), &b = gathering.rays[k];
+      if (!(glm::dot(a.direction, b.direction) > kLeastNeighborCosine)) continue;
+      if (!(gathering.branch.weight * max_magnitude(gathering.share * (a.color - b.color)) >
+            settings_.diffuse_contrast))
+        continue;
+      gathering.extras |= 1u << k;
+      send(place, kMostPacketRays + k, normalized(a.direction + b.direction), false,
+           LightingTree::kFirstOwn + settings_.diffuse_rays + first + k, batch);
+    }
+    tree_.push(batch);
+    return !batch.rays.empty();
+  }
+
+  static const GatheringRay& before(const Gathering& gathering, uint32_t k) {
+    return k == 0 ? gathering.last : gathering.rays[k - 1];
+  }
+
+  void send(uint32_t place, size_t ray, const Vec3& direction, bool serves_both, uint32_t child,
+            Batch& batch) {
+    Gathering& gathering = gatherings_[place];
+    gathering.rays[ray] = {direction, serves_both, std::numeric_limits<double>::infinity(), Color(0),
+                           Color(0)};
+    ++gathering.pending;
+    const Color share = serves_both ? gathering.share + gathering.reflect : gathering.share;
+    Branch& branch = LightingTree::grow(gathering.branch, gathering.surface, direction, max_component(share),
+                                        serves_both ? LightingTree::kReflected : child, batch);
+    branch.receiver = {Receiver::Kind::own, place, static_cast<uint32_t>(ray)};
+    if (!serves_both) branch.spread = kDiffuseSpread;
+    ++counts_[serves_both ? RayKind::reflected : RayKind::diffuse];
+  }
+
+  /// Of a packet that is back. An extra ray turns (a + b) / 2, what two neighbours see of the gap between
+  /// them, into (a + 2 e + b) / 4.
+  static void add_up(Gathering& gathering) {
+    for (uint32_t k = 0; k < gathering.count; ++k) {
+      const GatheringRay &a = before(gathering, k), &b = gathering.rays[k];
+      gathering.sum += b.color;
+      if (gathering.extras >> k & 1)
+        gathering.sum += 0.25 * (2.0 * gathering.rays[kMostPacketRays + k].color - a.color - b.color);
+    }
+    if (gathering.count > 0) gathering.last = gathering.rays[gathering.count - 1];
+    gathering.extras = 0;
+  }
+
+  const FrameContext& context_;
+  const Scene& scene_;
+  const RenderSettings& settings_;
+  LightingTree& tree_;
+  Pool<Gathering>& gatherings_;
+  std::vector<uint32_t>& ready_;
+  RayCounts& counts_;
+};
+
+class ThesisIntegrator : public Integrator {
+ private:
+  size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+                RayCounts& counts, Color* colors) override {
+    return ThesisTracer(context, work_, counts).trace(rays, ids, colors);
+  }
+
+  Work work_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_thesis() {
+  return std::make_unique<ThesisIntegrator>();
+}
+
+}  // namespace rayfarm
