@@ -11,7 +11,9 @@
 namespace rayfarm {
 
 enum class Command : uint8_t { load_code, load_data, load_display_polygon, return_result };
-inline constexpr size_t kCommands = 4;
+inline constexpr std::array kAllCommands{Command::load_code, Command::load_data,
+                                         Command::load_display_polygon, Command::return_result};
+inline constexpr size_t kCommands = kAllCommands.size();
 const char* name_of(Command command);
 
 /// Processors are numbered from 0; the largest id means all of them.

@@ -1,5 +1,5 @@
 // The assignment's state machine, played through without a net: events and time in, actions out.
-#include "host/assignment.h"
+#include "host/farm/assignment.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 #include <thread>
 
 #include "common/scene/settings_codec.h"
-#include "host/farm_host.h"
-#include "host/output_pattern.h"
+#include "host/farm/farm_host.h"
+#include "host/render/output_pattern.h"
 #include "node/node.h"
 #include "protocol/build_identity.h"
 #include "protocol/local_transport.h"
