@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/render/render_options.h"
+#include "host/render/run_render.h"
 
 namespace CLI {
 class App;

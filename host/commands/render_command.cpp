@@ -7,6 +7,7 @@
 #include "common/scene/settings_codec.h"
 #include "host/commands/commands.h"
 #include "host/render/output_pattern.h"
+#include "host/render/render_options.h"
 
 namespace rayfarm {
 namespace {

@@ -2,7 +2,7 @@
 // What every experiment is asked for.
 #include <string>
 
-#include "host/render/render_options.h"
+#include "host/render/run_render.h"
 
 namespace rayfarm {
 

@@ -1,7 +1,6 @@
 #pragma once
 // What a render is asked for.
 #include <array>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,8 +38,5 @@ struct RenderOptions {
   ProgressStyle progress = ProgressStyle::automatic;
   bool is_quiet = false, is_verbose = false, is_full_report = false;
 };
-
-/// Runs one render and returns its exit code.
-using RunRender = std::function<int(const RenderOptions&)>;
 
 }  // namespace rayfarm

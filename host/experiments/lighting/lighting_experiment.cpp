@@ -8,6 +8,7 @@
 #include "host/farm/job_result.h"
 #include "host/files/json.h"
 #include "host/files/text_file.h"
+#include "host/render/render_options.h"
 
 namespace rayfarm {
 namespace {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/render/render_options.h"
+#include "host/render/run_render.h"
 
 namespace rayfarm {
 
