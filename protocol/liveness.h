@@ -28,6 +28,8 @@ inline constexpr double kLeastNodeTimeout_s = 2;
 /// A node that is silent for longer is lost to its host (`--node-timeout`): eight beats. Being wrong costs
 /// little, as its work is done twice.
 inline constexpr double kNodeTimeout_s = 8;
+/// An idle node helps with what another has had in hand for longer, without any returned result.
+inline constexpr double kHelp_s = 1;
 /// A node doubts a host that is silent for longer, and ends if its process is gone: six beats.
 inline constexpr double kHostDoubt_s = 6;
 /// Between two looks at the process table, and at a watchdog's time.
@@ -101,7 +103,7 @@ class Heart {
   explicit Heart(Transport& transport, double stuck_s = liveness::kStuck_s);
 
  private:
-  void beat(int to);
+  void beat(NodeId to);
   void beat_until(const std::stop_token& end);
   Transport& transport_;
   double stuck_s_;

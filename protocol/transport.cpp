@@ -6,7 +6,7 @@
 
 namespace rayfarm {
 
-void Transport::count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes) {
+void Transport::count(NodeId node, Direction direction, Channel channel, std::span<const std::byte> bytes) {
   if (!meter_) return;
   if (channel == Channel::control || bytes.size() < 2) {
     meter_->count_control(node, direction, {1, bytes.size()});
@@ -17,14 +17,14 @@ void Transport::count(int node, Direction direction, Channel channel, std::span<
   meter_->count_command(node, direction, command, {messages, bytes.size()});
 }
 
-void Transport::send(int to, Channel channel, Bytes bytes) {
+void Transport::send(NodeId to, Channel channel, Bytes bytes) {
   count(to, Direction::to_node, channel, bytes);
   do_send(to, channel, std::move(bytes));
 }
 
 void Transport::broadcast(Channel channel, const Bytes& bytes) {
-  count(0, Direction::to_node, channel, bytes);
-  for (int node = 1; node <= node_count(); ++node) do_send(node, channel, bytes);
+  count(kHost, Direction::to_node, channel, bytes);
+  for (NodeId node(1); node.value() <= node_count(); ++node) do_send(node, channel, bytes);
 }
 
 std::optional<Message> Transport::try_receive() {

@@ -178,7 +178,7 @@ void check_output(const RenderOptions& o) {
     throw UsageError(
         fmt::format("-o {}: the #### must stand in the file's name, not in its folder's", o.output));
   if (o.frames.empty()) return;
-  std::vector<int> frames;
+  std::vector<FrameNumber> frames;
   try {
     frames = parse_frames(o.frames);
   } catch (const std::invalid_argument& e) {

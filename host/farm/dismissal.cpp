@@ -15,13 +15,11 @@ namespace rayfarm {
 
 void mark_silent_nodes(Transport& transport, std::span<const ProcessSign> signs, JobResult& result) {
   if (signs.empty()) return;
-  std::set<int> asked;
+  std::set<NodeId> asked;
   for (const NodeResult& node : result.nodes)
     if (!node.is_lost) asked.insert(node.id);
-  for (const int node : asked) transport.send(node, AskPresent{});
-  const auto lose = [&result](int node) {
-    return result.nodes[static_cast<size_t>(node) - 1].is_lost = true;
-  };
+  for (const NodeId node : asked) transport.send(node, AskPresent{});
+  const auto lose = [&result](NodeId node) { return result.node(node).is_lost = true; };
   ListeningClock listening;
   Backoff backoff;
   for (; !asked.empty() && listening.turn(now_s()) < liveness::kLastWord_s; backoff.wait()) {
@@ -34,10 +32,9 @@ void mark_silent_nodes(Transport& transport, std::span<const ProcessSign> signs,
         // The pictures are whole: a node that sends nonsense now is as good as silent.
       }
     }
-    std::erase_if(asked,
-                  [&](int node) { return signs[static_cast<size_t>(node) - 1].is_gone() && lose(node); });
+    std::erase_if(asked, [&](NodeId node) { return signs[node.place() - 1].is_gone() && lose(node); });
   }
-  for (const int node : asked) lose(node);
+  for (const NodeId node : asked) lose(node);
 }
 
 bool end_hung_nodes(Transport& transport, const JobResult& result) {

@@ -14,14 +14,16 @@ namespace {
 
 constexpr double kTickInterval_s = 0.1;
 
-AssignmentOptions assignment_options(const FarmHostOptions& o) {
+AssignmentOptions assignment_options(const FarmHostOptions& o, const PicturesPhase& pictures) {
   AssignmentOptions a;
-  a.policy = o.plan.policy;
-  a.grid = o.plan.grid;
-  a.rotates = o.plan.rotates;
   a.nodes = o.plan.processors;
-  a.frames = static_cast<int>(o.plan.frames.size());
-  a.window_frames = o.window_frames;
+  a.steps = pictures.steps();
+  a.items_per_step = pictures.items_per_step();
+  a.window_steps = o.window_frames;
+  if (o.plan.policy == AssignmentPolicy::interleaved)
+    a.owner_of = [plan = &o.plan, phase = &pictures](ItemIndex item) {
+      return owner_of(*plan, *phase, item);
+    };
   a.lost_after_s = o.signs.empty() ? std::numeric_limits<double>::infinity() : o.node_timeout_s;
   return a;
 }
@@ -31,28 +33,32 @@ AssignmentOptions assignment_options(const FarmHostOptions& o) {
 FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResult& result, Tell tell)
     : transport_(transport),
       options_(options),
+      pictures_(pictures_of(options.plan)),
       result_(result),
       tell_(std::move(tell)),
-      assignment_(assignment_options(options), listening_.turn(now_s())),
+      assignment_(assignment_options(options, pictures_), listening_.turn(now_s())),
       progress_(options.progress,
-                static_cast<uint64_t>(options.image.window.area()) * options.plan.frames.size()),
-      frames_(options.plan.frames.size()),
+                static_cast<uint64_t>(options.image.window.area()) * pictures_.frames.size()),
+      frames_(pictures_.frames.size()),
       pixels_of_node_(static_cast<size_t>(options.plan.processors) + 1),
-      frame_of_node_(pixels_of_node_.size(), -1) {
-  for (size_t i = 0; i < options.plan.frames.size(); ++i) {
-    index_of_frame_[options.plan.frames[i]] = static_cast<int>(i);
+      step_of_node_(pixels_of_node_.size()) {
+  for (FrameIndex i; i.value() < pictures_.steps(); ++i) {
     FrameResult frame;
-    frame.frame = options.plan.frames[i];
-    frame.file = options.files[i];
-    frame.traced_by.assign(static_cast<size_t>(options.plan.grid.count()), 0);
+    frame.frame = pictures_.frames[i.place()];
+    index_of_frame_[frame.frame] = i;
+    frame.file = options.files[i.place()];
+    frame.traced_by.assign(static_cast<size_t>(pictures_.items_per_step()), NodeId());
     frame.costs.resize(frame.traced_by.size());
     result_.frames.push_back(frame);
   }
 }
 
-int FarmHost::frame_index(uint32_t frame) const {
-  const auto found = index_of_frame_.find(static_cast<int>(frame));
-  return found == index_of_frame_.end() ? -1 : found->second;
+ItemIndex FarmHost::item_of(const SubpolygonReport& report) const {
+  const auto found = index_of_frame_.find(report.frame);
+  if (found == index_of_frame_.end()) throw ProtocolError("a frame that was not asked for");
+  if (report.subpolygon < SubpolygonId() || report.subpolygon.value() >= pictures_.items_per_step())
+    throw ProtocolError("a subpolygon that does not exist");
+  return pictures_.item_of(found->second, report.subpolygon);
 }
 
 void FarmHost::run() {
@@ -110,7 +116,7 @@ void FarmHost::run() {
 }
 
 void FarmHost::receive(const Message& message, double now) {
-  const int node = message.source;
+  const NodeId node = message.source;
   try {
     switch (message.channel) {
       case Channel::control:
@@ -129,58 +135,55 @@ void FarmHost::receive(const Message& message, double now) {
   }
 }
 
-void FarmHost::expel(int node, const std::string& problem, double now) {
-  NodeResult& result = result_.nodes[static_cast<size_t>(node) - 1];
+void FarmHost::expel(NodeId node, const std::string& problem, double now) {
+  NodeResult& result = result_.node(node);
   if (!result.problem.empty()) return;
   result.problem = problem;
-  if (result.is_lost) tell_(fmt::format("node {} {}; it stays lost", node, problem));
+  if (result.is_lost) tell_(fmt::format("node {} {}; it stays lost", node.value(), problem));
   assignment_.expel(node, now);
 }
 
 void FarmHost::expel_the_gone(double now) {
   for (size_t i = 0; i < options_.signs.size(); ++i)
-    if (options_.signs[i].is_gone()) expel(static_cast<int>(i) + 1, "its process is gone", now);
+    if (options_.signs[i].is_gone()) expel(NodeId(static_cast<int>(i) + 1), "its process is gone", now);
 }
 
-void FarmHost::receive_control(int node, const Control& control, double now) {
+void FarmHost::receive_control(NodeId node, const Control& control, double now) {
   if (const auto* done = std::get_if<SubpolygonDone>(&control)) {
     end_of_pixels(node, done->report, now);
-  } else if (const auto* failed = std::get_if<SubpolygonFailed>(&control)) {
-    tell_(fmt::format("node {} could not trace subpolygon {} of frame {}: {}", node, failed->subpolygon,
-                      failed->frame, failed->problem));
-    assignment_.fail(node, frame_index(failed->frame), static_cast<int>(failed->subpolygon), failed->problem,
-                     now);
+  } else if (const auto* failed = std::get_if<ItemFailed>(&control)) {
+    if (!pictures_.has(failed->item)) throw ProtocolError("an item that does not exist");
+    tell_(fmt::format("node {} could not trace subpolygon {} of frame {}: {}", node.value(),
+                      pictures_.subpolygon_of(failed->item).value(),
+                      pictures_.number_of(failed->item).value(), failed->problem));
+    assignment_.fail(node, failed->item, failed->problem, now);
   } else if (const auto* broken = std::get_if<NodeFailed>(&control)) {
     expel(node, fmt::format("could not load the scene: {}", broken->problem), now);
   }
 }
 
-void FarmHost::receive_block(int node, std::span<const std::byte> bytes, double now) {
+void FarmHost::receive_block(NodeId node, std::span<const std::byte> bytes, double now) {
   const BlockResult block = decode_block(bytes);
-  if (block.report.subpolygon >= static_cast<uint32_t>(options_.plan.grid.count()))
-    throw ProtocolError("a subpolygon that does not exist");
   if (!block.is_compressed) {
     keep_result(node, block.report, block.pixels, block.pixels.size(), now);
     return;
   }
-  const DisplayPolygon p = options_.plan.grid.polygon(static_cast<int>(block.report.subpolygon));
+  const DisplayPolygon p = pictures_.polygon_of(item_of(block.report));
   keep_result(node, block.report, decompress_rgb8(block.pixels, p.right - p.left + 1, p.bottom - p.top + 1),
               block.pixels.size(), now);
 }
 
-void FarmHost::receive_pixels(int node, std::span<const std::byte> bytes) {
+void FarmHost::receive_pixels(NodeId node, std::span<const std::byte> bytes) {
   ByteReader reader(bytes);
-  auto& pixels = pixels_of_node_[static_cast<size_t>(node)];
+  auto& pixels = pixels_of_node_[node.place()];
   if (pixels.size() > static_cast<size_t>(options_.image.window.area()))
     throw ProtocolError("more pixels than the image has");
   while (!reader.at_end()) pixels.push_back(read_pixel(reader));
 }
 
-void FarmHost::end_of_pixels(int node, const SubpolygonReport& report, double now) {
-  const auto pixels = std::exchange(pixels_of_node_[static_cast<size_t>(node)], {});
-  if (report.subpolygon >= static_cast<uint32_t>(options_.plan.grid.count()))
-    throw ProtocolError("a subpolygon that does not exist");
-  const DisplayPolygon p = options_.plan.grid.polygon(static_cast<int>(report.subpolygon));
+void FarmHost::end_of_pixels(NodeId node, const SubpolygonReport& report, double now) {
+  const auto pixels = std::exchange(pixels_of_node_[node.place()], {});
+  const DisplayPolygon p = pictures_.polygon_of(item_of(report));
   const auto width = static_cast<size_t>(p.right - p.left + 1),
              height = static_cast<size_t>(p.bottom - p.top + 1);
   if (pixels.size() != width * height) throw ProtocolError("a subpolygon with pixels missing");
@@ -197,12 +200,10 @@ void FarmHost::end_of_pixels(int node, const SubpolygonReport& report, double no
   keep_result(node, report, block, kPixelBytes * pixels.size(), now);
 }
 
-void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<const std::byte> pixels,
+void FarmHost::keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
                            size_t bytes, double now) {
-  const int index = frame_index(report.frame);
-  if (index < 0) throw ProtocolError("a frame that was not asked for");
-  const auto subpolygon = static_cast<int>(report.subpolygon);
-  const DisplayPolygon p = options_.plan.grid.polygon(subpolygon);
+  const ItemIndex item = item_of(report);
+  const DisplayPolygon p = pictures_.polygon_of(item);
   const PixelRect& window = options_.image.window;
   const size_t pixel_bytes = bytes_per_pixel(options_.image.format);
   const auto width = static_cast<size_t>(p.right - p.left + 1),
@@ -210,16 +211,16 @@ void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<c
   if (pixels.size() != width * height * pixel_bytes)
     throw ProtocolError("a block of another size than its subpolygon");
 
-  NodeResult& node_result = result_.nodes[static_cast<size_t>(node) - 1];
+  NodeResult& node_result = result_.node(node);
   ++node_result.subpolygons;
   node_result.rays += total(report.rays);
   node_result.busy_s += static_cast<double>(report.busy_us) * 1e-6;
   result_.pixels_received += width * height;
-  if (!assignment_.accept(node, index, subpolygon, now)) {
+  if (!assignment_.accept(node, item, now)) {
     ++result_.duplicates;
     return;
   }
-  FrameState& frame = frames_[static_cast<size_t>(index)];
+  FrameState& frame = frames_[pictures_.frame_of(item).place()];
   if (!frame.is_begun) {
     frame.pixels.resize(static_cast<size_t>(window.area()) * pixel_bytes);
     frame.is_begun = true;
@@ -229,9 +230,9 @@ void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<c
     std::memcpy(frame.pixels.data() + (static_cast<size_t>(p.top - window.y0) + y) * row_bytes +
                     static_cast<size_t>(p.left - window.x0) * pixel_bytes,
                 pixels.data() + y * width * pixel_bytes, width * pixel_bytes);
-  FrameResult& frame_result = result_.frames[static_cast<size_t>(index)];
-  frame_result.traced_by[static_cast<size_t>(subpolygon)] = node;
-  frame_result.costs[static_cast<size_t>(subpolygon)] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
+  FrameResult& frame_result = result_.frames[pictures_.frame_of(item).place()];
+  frame_result.traced_by[report.subpolygon.place()] = node;
+  frame_result.costs[report.subpolygon.place()] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
   frame_result.sees_anything |= report.sees_anything;
   frame_result.not_finite += report.not_finite;
   for (size_t i = 0; i < report.rays.size(); ++i) {
@@ -242,47 +243,61 @@ void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<c
 }
 
 void FarmHost::carry_out(const Action& action) {
-  if (const auto* assign = std::get_if<AssignSubpolygon>(&action)) {
-    const int frame = options_.plan.frames[static_cast<size_t>(assign->frame)];
-    int& selected = frame_of_node_[static_cast<size_t>(assign->node)];
-    if (selected != frame) transport_.send(assign->node, SelectFrame{static_cast<uint32_t>(frame)});
-    selected = frame;
-    transport_.send(assign->node, Channel::command,
-                    encode_display_polygon(static_cast<uint16_t>(assign->node - 1),
-                                           options_.plan.grid.polygon(assign->subpolygon)));
-  } else if (const auto* open = std::get_if<OpenFrames>(&action)) {
-    transport_.broadcast(Channel::control, encode_control(OpenWindow{static_cast<uint32_t>(open->end)}));
-  } else if (const auto* complete = std::get_if<FrameComplete>(&action)) {
-    const auto i = static_cast<size_t>(complete->frame);
-    FrameWriter::Job job{complete->frame, options_.files[i], options_.image, options_.attributes};
-    job.image.pixels = std::move(frames_[i].pixels);
-    job.attributes["rayfarm/frame"] = fmt::format("{}", options_.plan.frames[i]);
-    job.attributes["rayfarm/rays"] = fmt::format("{}", total(result_.frames[i].rays));
-    writer_.submit(std::move(job));
-  } else if (const auto* failed = std::get_if<FrameFailed>(&action)) {
-    const auto i = static_cast<size_t>(failed->frame);
-    frames_[i].pixels = {};
-    result_.frames[i].problem = fmt::format("a subpolygon failed three times: {}", failed->problem);
-    tell_(fmt::format("frame {} failed: {}", result_.frames[i].frame, result_.frames[i].problem));
-    assignment_.release(failed->frame, listening_.now());
-  } else if (const auto* lost = std::get_if<NodeLost>(&action)) {
-    NodeResult& node = result_.nodes[static_cast<size_t>(lost->node) - 1];
-    node.is_lost = true;
-    node.had_work |= lost->had_work;
-    pixels_of_node_[static_cast<size_t>(lost->node)] = {};
-    tell_(fmt::format(
-        "node {} on {} (process {}) {}: {}; {}", node.id, node.machine, node.pid,
-        lost->is_expelled ? "failed" : "is lost",
-        lost->is_expelled ? node.problem : fmt::format("silent for {:g} s", options_.node_timeout_s),
-        lost->had_work ? "others do its work" : "it had no work in hand"));
-  } else if (const auto* returned = std::get_if<NodeReturned>(&action)) {
-    result_.nodes[static_cast<size_t>(returned->node) - 1].is_lost = false;
-    frame_of_node_[static_cast<size_t>(returned->node)] = -1;
-    tell_(fmt::format("node {} is back", returned->node));
-  } else {
-    result_.lost_all_nodes = true;
-    is_over_ = true;
-  }
+  std::visit([this](const auto& a) { carry_out(a); }, action);
+}
+
+void FarmHost::carry_out(const AssignItem& assign) {
+  const StepIndex step = pictures_.frame_of(assign.item);
+  std::optional<StepIndex>& selected = step_of_node_[assign.node.place()];
+  if (selected != step) transport_.send(assign.node, SelectStep{step});
+  selected = step;
+  transport_.send(assign.node, Channel::command,
+                  encode_display_polygon(static_cast<uint16_t>(assign.node.value() - 1),
+                                         pictures_.polygon_of(assign.item)));
+}
+
+void FarmHost::carry_out(const OpenedSteps& opened) {
+  transport_.broadcast(Channel::control, encode_control(OpenSteps{opened.end}));
+}
+
+void FarmHost::carry_out(const StepComplete& complete) {
+  const size_t i = complete.step.place();
+  FrameWriter::Job job{complete.step, options_.files[i], options_.image, options_.attributes};
+  job.image.pixels = std::move(frames_[i].pixels);
+  job.attributes["rayfarm/frame"] = fmt::format("{}", pictures_.frames[i].value());
+  job.attributes["rayfarm/rays"] = fmt::format("{}", total(result_.frames[i].rays));
+  writer_.submit(std::move(job));
+}
+
+void FarmHost::carry_out(const StepFailed& failed) {
+  FrameResult& frame = result_.frames[failed.step.place()];
+  frames_[failed.step.place()].pixels = {};
+  frame.problem = fmt::format("a subpolygon failed three times: {}", failed.problem);
+  tell_(fmt::format("frame {} failed: {}", frame.frame.value(), frame.problem));
+  assignment_.release(failed.step, listening_.now());
+}
+
+void FarmHost::carry_out(const NodeLost& lost) {
+  NodeResult& node = result_.node(lost.node);
+  node.is_lost = true;
+  node.had_work |= lost.had_work;
+  pixels_of_node_[lost.node.place()] = {};
+  tell_(
+      fmt::format("node {} on {} (process {}) {}: {}; {}", node.id.value(), node.machine, node.pid,
+                  lost.is_expelled ? "failed" : "is lost",
+                  lost.is_expelled ? node.problem : fmt::format("silent for {:g} s", options_.node_timeout_s),
+                  lost.had_work ? "others do its work" : "it had no work in hand"));
+}
+
+void FarmHost::carry_out(const NodeReturned& returned) {
+  result_.node(returned.node).is_lost = false;
+  step_of_node_[returned.node.place()].reset();
+  tell_(fmt::format("node {} is back", returned.node.value()));
+}
+
+void FarmHost::carry_out(const AllNodesLost&) {
+  result_.lost_all_nodes = true;
+  is_over_ = true;
 }
 
 void FarmHost::tell_what_is_odd(const FrameResult& frame) const {
@@ -290,34 +305,35 @@ void FarmHost::tell_what_is_odd(const FrameResult& frame) const {
     tell_(
         fmt::format("frame {}: {} pixels are infinite or not a number; the scene asks for light beyond all "
                     "bounds",
-                    frame.frame, frame.not_finite));
+                    frame.frame.value(), frame.not_finite));
   if (!frame.is_black && frame.sees_anything) return;
   const Image& image = options_.image;
   if (!frame.sees_anything && image.window != PixelRect{0, 0, image.width_px, image.height_px})
-    tell_(fmt::format("frame {}: no object is seen in the part that --crop asks for", frame.frame));
+    tell_(fmt::format("frame {}: no object is seen in the part that --crop asks for", frame.frame.value()));
   else if (!frame.sees_anything)
     tell_(
         fmt::format("frame {}: the camera sees nothing of the scene; check the view's location and "
                     "direction (rayfarm info prints the scene's bounds)",
-                    frame.frame));
+                    frame.frame.value()));
   else
     tell_(
         fmt::format("frame {}: every pixel is black: no light reaches what the camera sees; rayfarm check "
                     "names lights that can't shine",
-                    frame.frame));
+                    frame.frame.value()));
 }
 
 void FarmHost::take_written(double now) {
   while (const auto written = writer_.try_take()) {
-    FrameResult& frame = result_.frames[static_cast<size_t>(written->frame_index)];
+    FrameResult& frame = result_.frames[written->frame.place()];
     frame.problem = written->problem;
     frame.sha256 = written->sha256;
     frame.is_written = written->problem.empty();
     frame.is_black = written->is_black;
     result_.times.write_s += written->seconds;
-    if (!written->problem.empty()) tell_(fmt::format("frame {} failed: {}", frame.frame, written->problem));
+    if (!written->problem.empty())
+      tell_(fmt::format("frame {} failed: {}", frame.frame.value(), written->problem));
     tell_what_is_odd(frame);
-    assignment_.release(written->frame_index, now);
+    assignment_.release(written->frame, now);
   }
 }
 

@@ -46,7 +46,7 @@ void FrameWriter::run() {
     lock.unlock();
     const auto begin = std::chrono::steady_clock::now();
     Written written;
-    written.frame_index = job.frame_index;
+    written.frame = job.frame;
     try {
       written.sha256 = sha256(job.image.pixels);
       written.is_black = std::all_of(job.image.pixels.begin(), job.image.pixels.end(),

@@ -9,19 +9,20 @@
 #include <thread>
 
 #include "common/image/image_file.h"
+#include "protocol/index.h"
 
 namespace rayfarm {
 
 class FrameWriter {
  public:
   struct Job {
-    int frame_index = 0;
+    FrameIndex frame;
     std::string path;
     Image image;
     std::map<std::string, std::string> attributes;
   };
   struct Written {
-    int frame_index = 0;
+    FrameIndex frame;
     std::string problem;    ///< empty: the file is in place
     std::string sha256;     ///< of the pixels' bytes
     bool is_black = false;  ///< all bytes are 0

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "protocol/index.h"
+
 namespace rayfarm {
 
 /// primary, shadow, reflected, transmitted, diffuse
@@ -19,7 +21,7 @@ inline uint64_t total(const RaysByKind& rays) {
 }
 
 struct NodeResult {
-  int id = 0;  ///< from 1: the rank
+  NodeId id;
   std::string machine;
   uint32_t pid = 0;
   uint64_t subpolygons = 0;  ///< returned, duplicates too
@@ -37,20 +39,20 @@ struct SubpolygonCost {
 };
 
 struct FrameResult {
-  int frame = 0;
+  FrameNumber frame;
   std::string file;
   std::string sha256;
   std::string problem;  ///< empty: written
   bool is_written = false;
   RaysByKind rays{};
-  bool sees_anything = false;  ///< an eye ray met something
-  bool is_black = false;       ///< all pixels are 0
-  uint64_t not_finite = 0;     ///< pixels that are infinite or not a number
-  std::vector<int> traced_by;  ///< the node of each subpolygon
+  bool sees_anything = false;     ///< an eye ray met something
+  bool is_black = false;          ///< all pixels are 0
+  uint64_t not_finite = 0;        ///< pixels that are infinite or not a number
+  std::vector<NodeId> traced_by;  ///< by subpolygon
   std::vector<SubpolygonCost> costs;
 };
 
-struct PhaseTimes {
+struct JobTimes {
   double load_s = 0, build_s = 0, broadcast_s = 0, trace_s = 0, write_s = 0, total_s = 0;
   double trace_began_unix_s = 0;
   double host_cpu_s = 0;  ///< processor time of the host's process while the net traced
@@ -64,15 +66,17 @@ struct JobResult {
   uint64_t duplicates = 0;  ///< results dropped
   RaysByKind rays{};
   uint64_t scene_bytes = 0;  ///< of the block that load data carries
-  PhaseTimes times;
+  JobTimes times;
   bool was_interrupted = false;
   bool lost_all_nodes = false;
 
+  NodeResult& node(NodeId id) { return nodes[id.place() - 1]; }
+  const NodeResult& node(NodeId id) const { return nodes[id.place() - 1]; }
   /// What a node did not trace of the time in which the farm did.
   double idle_s(const NodeResult& node) const { return std::max(0.0, times.trace_s - node.busy_s); }
   /// The nodes that are lost at the end, in order.
-  std::vector<int> lost_nodes() const {
-    std::vector<int> lost;
+  std::vector<NodeId> lost_nodes() const {
+    std::vector<NodeId> lost;
     for (const NodeResult& n : nodes)
       if (n.is_lost) lost.push_back(n.id);
     return lost;
@@ -80,7 +84,7 @@ struct JobResult {
   /// Why the first of the expelled nodes is; empty if none is.
   std::string first_problem() const {
     for (const NodeResult& n : nodes)
-      if (!n.problem.empty()) return "node " + std::to_string(n.id) + ": " + n.problem;
+      if (!n.problem.empty()) return "node " + std::to_string(n.id.value()) + ": " + n.problem;
     return {};
   }
   size_t frames_failed() const {

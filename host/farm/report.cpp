@@ -26,7 +26,7 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
   else
     fmt::format_to(out, "pictures {} of {} written: {}{}\n", written.size(), result.frames.size(),
                    written.front()->file, written.size() > 1 ? " … " + written.back()->file : "");
-  const PhaseTimes& t = result.times;
+  const JobTimes& t = result.times;
   fmt::format_to(
       out, "time     {:.2f} s: load {:.2f}, build {:.2f}, broadcast {:.2f}, trace {:.2f}, write {:.2f}\n",
       t.total_s, t.load_s, t.build_s, t.broadcast_s, t.trace_s, t.write_s);
@@ -46,10 +46,10 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
                  bytes_per_received_pixel(result, meter), kModelBytesPerPixel);
   constexpr size_t kMostLosses = 3;
   // mpirun ends all nodes when it is stopped: that is no loss.
-  const std::vector<int> lost = result.was_interrupted ? std::vector<int>() : result.lost_nodes();
+  const std::vector<NodeId> lost = result.was_interrupted ? std::vector<NodeId>() : result.lost_nodes();
   for (size_t i = 0; i < std::min(lost.size(), kMostLosses); ++i) {
-    const NodeResult& node = result.nodes[static_cast<size_t>(lost[i]) - 1];
-    fmt::format_to(out, "lost     node {} on {} (process {}){}{}\n", node.id, node.machine, node.pid,
+    const NodeResult& node = result.node(lost[i]);
+    fmt::format_to(out, "lost     node {} on {} (process {}){}{}\n", node.id.value(), node.machine, node.pid,
                    node.problem.empty() ? "" : ": " + node.problem,
                    i + 1 == kMostLosses && lost.size() > kMostLosses
                        ? fmt::format("; and {} more", lost.size() - kMostLosses)
@@ -60,7 +60,7 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
   return text;
 }
 
-std::string format_full_report(const JobResult& result, const TrafficMeter& meter, const JobPlan& plan) {
+std::string format_full_report(const JobResult& result, const TrafficMeter& meter) {
   std::string text;
   auto out = std::back_inserter(text);
   const uint64_t rays = total(result.rays);
@@ -74,7 +74,7 @@ std::string format_full_report(const JobResult& result, const TrafficMeter& mete
   const double bytes = bytes_per_received_pixel(result, meter);
   fmt::format_to(out, "  results: {:.3f} bytes per pixel; the thesis's model: {:.0f}, {:.1f} times as many\n",
                  bytes, kModelBytesPerPixel, bytes > 0 ? kModelBytesPerPixel / bytes : 0.0);
-  const PhaseTimes& t = result.times;
+  const JobTimes& t = result.times;
   fmt::format_to(out,
                  "time   load {:.2f} s, build {:.2f} s, broadcast {:.2f} s, trace {:.2f} s, write {:.2f} s, "
                  "total {:.2f} s\n",
@@ -85,17 +85,17 @@ std::string format_full_report(const JobResult& result, const TrafficMeter& mete
     if (result.rays[i] > 0) fmt::format_to(out, "; {} {}", kRayKinds[i], result.rays[i]);
   fmt::format_to(out, "\nnode   subpolygons          rays     busy     idle  machine\n");
   for (const NodeResult& n : result.nodes)
-    fmt::format_to(out, "{:>4}   {:>11}  {:>12}  {:>6.2f} s  {:>6.2f} s  {}{}\n", n.id, n.subpolygons, n.rays,
-                   n.busy_s, result.idle_s(n), n.machine, n.is_lost ? "  LOST" : "");
+    fmt::format_to(out, "{:>4}   {:>11}  {:>12}  {:>6.2f} s  {:>6.2f} s  {}{}\n", n.id.value(), n.subpolygons,
+                   n.rays, n.busy_s, result.idle_s(n), n.machine, n.is_lost ? "  LOST" : "");
   if (result.duplicates > 0)
     fmt::format_to(out, "{} results came twice and were dropped\n", result.duplicates);
-  if (plan.frames.size() > 1) {
+  if (result.frames.size() > 1) {
     constexpr size_t kMostRows = 24, kMostColumns = 48;
     fmt::format_to(out, "who traced what: the node of each frame's first subpolygons\n");
     for (size_t f = 0; f < result.frames.size() && f < kMostRows; ++f) {
-      fmt::format_to(out, "  frame {:>5}:", result.frames[f].frame);
+      fmt::format_to(out, "  frame {:>5}:", result.frames[f].frame.value());
       for (size_t s = 0; s < result.frames[f].traced_by.size() && s < kMostColumns; ++s)
-        fmt::format_to(out, " {}", result.frames[f].traced_by[s]);
+        fmt::format_to(out, " {}", result.frames[f].traced_by[s].value());
       fmt::format_to(out, "\n");
     }
     if (result.frames.size() > kMostRows) fmt::format_to(out, "  … (all in --stats)\n");

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "host/farm/job_result.h"
-#include "protocol/job_plan.h"
 #include "protocol/traffic_meter.h"
 
 namespace rayfarm {
@@ -17,6 +16,6 @@ double bytes_per_received_pixel(const JobResult& result, const TrafficMeter& met
 std::string format_report(const JobResult& result, const TrafficMeter& meter);
 
 /// For experimenters: traffic by command, times, rays and nodes, who traced what.
-std::string format_full_report(const JobResult& result, const TrafficMeter& meter, const JobPlan& plan);
+std::string format_full_report(const JobResult& result, const TrafficMeter& meter);
 
 }  // namespace rayfarm

@@ -13,7 +13,7 @@
 namespace rayfarm {
 
 RollCall::RollCall(Transport& transport, JobResult& result) : transport_(transport), result_(result) {
-  for (int id = 1; id <= transport.node_count(); ++id) {
+  for (NodeId id(1); id.value() <= transport.node_count(); ++id) {
     result_.nodes.push_back({});
     result_.nodes.back().id = id;
   }
@@ -26,7 +26,7 @@ RollCall::RollCall(Transport& transport, JobResult& result) : transport_(transpo
 void RollCall::serve() {
   listening_.turn(now_s());
   while (auto message = transport_.try_receive()) {
-    const auto i = static_cast<size_t>(message->source) - 1;
+    const auto i = message->source.place() - 1;
     heard_[i] = listening_.now();
     if (message->channel != Channel::control) continue;
     const Control control = decode_control(message->bytes);
@@ -39,7 +39,7 @@ void RollCall::serve() {
             kRenderFailure,
             fmt::format("node {} on {} runs another build of rayfarm than the host; install the same on "
                         "every machine, for images of two builds may differ",
-                        message->source, hello->machine));
+                        message->source.value(), hello->machine));
     }
   }
   if (interrupted_by() != 0) throw JobError(kStopped, "stopped before the scene was loaded");

@@ -13,6 +13,12 @@ Json to_json(const RaysByKind& rays) {
   return j;
 }
 
+Json to_json(const std::vector<NodeId>& nodes) {
+  Json::Array j;
+  for (const NodeId node : nodes) j.emplace_back(node.value());
+  return j;
+}
+
 }  // namespace
 
 void write_statistics(const std::string& path, const JobResult& result, const TrafficMeter& meter,
@@ -21,14 +27,14 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
   std::string last_sha256;
   j["frames"] = Json::Array();
   for (const FrameResult& f : result.frames) {
-    j["frames"].push_back(Json::Object{{"frame", f.frame},
+    j["frames"].push_back(Json::Object{{"frame", f.frame.value()},
                                        {"file", f.file},
                                        {"written", f.is_written},
                                        {"problem", f.problem},
                                        {"sha256_pixels", f.sha256},
                                        {"rays", to_json(f.rays)},
                                        {"not_finite", f.not_finite},
-                                       {"traced_by", f.traced_by}});
+                                       {"traced_by", to_json(f.traced_by)}});
     if (f.is_written) last_sha256 = f.sha256;
   }
   j["image"] = Json::Object{{"width", settings.crop.width()},
@@ -37,7 +43,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                             {"pixel_format", name_of(settings.pixel_format)}};
   j["ranks"] = ranks;
   j["scene"] = Json::Object{{"bytes", result.scene_bytes}};
-  j["nodes_lost"] = result.lost_nodes();
+  j["nodes_lost"] = to_json(result.lost_nodes());
   j["rays"] = to_json(result.rays);
   for (const Command command : kAllCommands) {
     const Traffic t = meter.total(command);
@@ -48,7 +54,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
   j["traffic"]["bytes_per_pixel"] = bytes_per_received_pixel(result, meter);
   j["traffic"]["model_bytes_per_pixel"] = kModelBytesPerPixel;
   j["traffic"]["duplicate_results"] = result.duplicates;
-  const PhaseTimes& t = result.times;
+  const JobTimes& t = result.times;
   j["time_s"] = Json::Object{{"load", t.load_s},
                              {"build", t.build_s},
                              {"broadcast", t.broadcast_s},
@@ -59,7 +65,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                              {"host_cpu", t.host_cpu_s}};
   j["nodes"] = Json::Array();
   for (const NodeResult& n : result.nodes)
-    j["nodes"].push_back(Json::Object{{"id", n.id},
+    j["nodes"].push_back(Json::Object{{"id", n.id.value()},
                                       {"machine", n.machine},
                                       {"pid", n.pid},
                                       {"lost", n.is_lost},
@@ -73,7 +79,8 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                                       {"bytes_sent", meter.of_node(n.id, Direction::to_host).bytes}});
   j["assign"] = plan.policy == AssignmentPolicy::on_demand ? "on-demand" : "interleaved";
   j["wire"] = plan.wire == Wire::block ? "block" : "pixel";
-  j["subpolygons"] = Json::Object{{"columns", plan.grid.columns}, {"rows", plan.grid.rows}};
+  const SubpolygonGrid& grid = pictures_of(plan).grid;
+  j["subpolygons"] = Json::Object{{"columns", grid.columns}, {"rows", grid.rows}};
 
   write_text_file(path, j.dump(1) + "\n");
 }

@@ -16,13 +16,14 @@ void write_cost_map(const std::string& path, const JobResult& result, const Subp
   for (const FrameResult& frame : result.frames) {
     if (!frame.is_written) continue;
     Json::Array seconds, bytes;
-    for (int i = 0; i < grid.count(); ++i) {
+    for (SubpolygonId i; i.value() < grid.count(); ++i) {
       const DisplayPolygon p = grid.polygon(i);
       const double pixels = double(p.right - p.left + 1) * (p.bottom - p.top + 1);
-      seconds.push_back(frame.costs[static_cast<size_t>(i)].busy_s / pixels);
-      bytes.push_back(static_cast<double>(frame.costs[static_cast<size_t>(i)].bytes) / pixels);
+      seconds.push_back(frame.costs[i.place()].busy_s / pixels);
+      bytes.push_back(static_cast<double>(frame.costs[i.place()].bytes) / pixels);
     }
-    j["frames"].push_back(Json::Object{{"frame", frame.frame}, {"pixel_s", seconds}, {"pixel_bytes", bytes}});
+    j["frames"].push_back(
+        Json::Object{{"frame", frame.frame.value()}, {"pixel_s", seconds}, {"pixel_bytes", bytes}});
   }
   write_text_file(path, j.dump() + "\n");
 }

@@ -68,7 +68,7 @@ class Simulator {
     cell_y_.resize(static_cast<size_t>(s.cost.height_px));
     const SubpolygonGrid cells{0, 0, s.cost.width_px, s.cost.height_px, s.cost.columns, s.cost.rows};
     for (int i = 0; i < cells.count(); ++i) {
-      const DisplayPolygon cell = cells.polygon(i);
+      const DisplayPolygon cell = cells.polygon(SubpolygonId(i));
       std::fill(&cell_x_[cell.left], &cell_x_[cell.right] + 1, i % cells.columns);
       std::fill(&cell_y_[cell.top], &cell_y_[cell.bottom] + 1, i / cells.columns * cells.columns);
     }
@@ -117,7 +117,8 @@ class Simulator {
     bool operator>(const Event& e) const { return time != e.time ? time > e.time : order > e.order; }
   };
   struct Work {
-    int frame = 0, subpolygon = 0;
+    int frame = 0;
+    SubpolygonId subpolygon;
   };
   struct Processor {
     double factor = 1;
@@ -138,7 +139,7 @@ class Simulator {
   };
   /// Interleaved: who traces what in a frame, processor by processor.
   struct Sets {
-    std::vector<int> subpolygons;
+    std::vector<SubpolygonId> subpolygons;
     std::vector<size_t> begin;
   };
 
@@ -180,17 +181,17 @@ class Simulator {
 
   const Sets& sets_of(int frame) {
     while (static_cast<int>(sets_.size()) <= frame) {
-      const int index = s_.rotates ? static_cast<int>(sets_.size()) : 0;
+      const FrameIndex index(s_.rotates ? static_cast<int>(sets_.size()) : 0);
       Sets sets;
       sets.begin.assign(processors_.size() + 1, 0);
       std::vector<size_t> owners;
-      for (int i = 0; i < grid_.count(); ++i)
+      for (SubpolygonId i; i.value() < grid_.count(); ++i)
         owners.push_back(static_cast<size_t>(interleaved_owner(grid_, s_.processors, index, i)));
       for (const size_t owner : owners) ++sets.begin[owner + 1];
       for (size_t p = 0; p < processors_.size(); ++p) sets.begin[p + 1] += sets.begin[p];
       std::vector<size_t> next = sets.begin;
       sets.subpolygons.resize(static_cast<size_t>(grid_.count()));
-      for (int i = 0; i < grid_.count(); ++i) sets.subpolygons[next[owners[static_cast<size_t>(i)]]++] = i;
+      for (SubpolygonId i; i.value() < grid_.count(); ++i) sets.subpolygons[next[owners[i.place()]]++] = i;
       sets_.push_back(std::move(sets));
     }
     return sets_[static_cast<size_t>(frame)];
@@ -264,7 +265,7 @@ class Simulator {
     double arrival = 0;
     const double sent = to_host(processor, time, p.message_bytes, arrival);
     const double taken = host_.serve(arrival, s_.host_message_s);
-    Server& buffer = frame_buffers_[static_cast<size_t>(p.work.subpolygon) % frame_buffers_.size()];
+    Server& buffer = frame_buffers_[p.work.subpolygon.place() % frame_buffers_.size()];
     const double stored = buffer.serve(taken, static_cast<double>(p.message_pixels) * s_.frame_buffer_s);
     store(p.work.frame, p.message_pixels, stored);
     if (!p.has_work && s_.policy == AssignmentPolicy::on_demand)
@@ -311,7 +312,7 @@ class Simulator {
       return;
     }
     processors_[static_cast<size_t>(processor)].on_its_way.push_back(next_work_);
-    if (++next_work_.subpolygon == grid_.count()) next_work_ = {next_work_.frame + 1, 0};
+    if ((++next_work_.subpolygon).value() == grid_.count()) next_work_ = {next_work_.frame + 1, {}};
     push(to_processor(processor, time, kDisplayPolygonBytes), EventKind::has_work, processor);
   }
 

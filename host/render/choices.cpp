@@ -12,7 +12,7 @@
 
 namespace rayfarm {
 
-std::vector<int> choose_frames(const RenderOptions& options, const SceneDescription& scene) {
+std::vector<FrameNumber> choose_frames(const RenderOptions& options, const SceneDescription& scene) {
   if (!options.frames.empty()) return parse_frames(options.frames);
   const std::array<int, 2> range = scene.frames.value_or(std::array{0, 0});
   return parse_frames(has_frame_pattern(options.output) ? fmt::format("{}-{}", range[0], range[1])
@@ -58,7 +58,8 @@ int choose_window(const RenderSettings& settings, size_t frames, size_t other_by
   return static_cast<int>(std::min({double(kMostFrames), double(frames), fit}));
 }
 
-JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings, int processors) {
+JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
+                  std::vector<FrameNumber> frames, int processors) {
   JobPlan plan;
   plan.build = build_identity();
   plan.policy = options.policy;
@@ -68,9 +69,10 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings, 
   plan.settings = encode_settings(settings);
   const size_t pixel_bytes =
       options.wire == Wire::pixel ? kPixelBytes : bytes_per_pixel(settings.pixel_format);
-  plan.grid = make_grid(settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(),
-                        plan.processors, options.subpolygons_per_processor, kLeastSide_px,
-                        kMostSubpolygonBytes / pixel_bytes);
+  const SubpolygonGrid grid = make_grid(
+      settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
+      options.subpolygons_per_processor, kLeastSide_px, kMostSubpolygonBytes / pixel_bytes);
+  plan.phases = {PicturesPhase{std::move(frames), grid}};
   plan.rotates = options.rotates;
   plan.ray_time_s = options.ray_time_s;
   // Who waits longer for nodes has a slower net, on which nodes wait longer for their host.

@@ -8,7 +8,7 @@
 
 namespace rayfarm {
 
-std::vector<int> choose_frames(const RenderOptions& options, const SceneDescription& scene);
+std::vector<FrameNumber> choose_frames(const RenderOptions& options, const SceneDescription& scene);
 
 /// Throws JobError if the part to render is not inside of the image.
 RenderSettings choose_settings(const RenderOptions& options, const SceneDescription& scene);
@@ -17,8 +17,8 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
 /// taken, at most as many as are of use. Throws JobError if not even one does.
 int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes);
 
-/// All of the plan but the frames.
-JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings, int processors);
+JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
+                  std::vector<FrameNumber> frames, int processors);
 
 /// Names options that do nothing beside others. `is_one_process`: host and nodes share it.
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);

@@ -24,8 +24,8 @@ int parse_number(std::string_view text, const std::string& whole) {
 
 }  // namespace
 
-std::vector<int> parse_frames(const std::string& text) {
-  std::vector<int> frames;
+std::vector<FrameNumber> parse_frames(const std::string& text) {
+  std::vector<FrameNumber> frames;
   std::set<int> seen;
   size_t begin = 0;
   while (begin <= text.size()) {
@@ -48,7 +48,7 @@ std::vector<int> parse_frames(const std::string& text) {
     for (int frame = first; frame <= last; frame += step) {
       if (!seen.insert(frame).second)
         throw std::invalid_argument(fmt::format("frame {} is named twice in '{}'", frame, text));
-      frames.push_back(frame);
+      frames.emplace_back(frame);
       if (frames.size() > kMostFrames)
         throw std::invalid_argument(fmt::format("'{}' names more than {} frames", text, kMostFrames));
     }
@@ -60,12 +60,13 @@ bool has_frame_pattern(const std::string& path) {
   return path.find('#') != std::string::npos;
 }
 
-std::string file_of_frame(const std::string& path, int frame) {
+std::string file_of_frame(const std::string& path, FrameNumber frame) {
   const size_t last = path.rfind('#');
   if (last == std::string::npos) return path;
   size_t first = last;
   while (first > 0 && path[first - 1] == '#') --first;
-  return path.substr(0, first) + fmt::format("{:0{}}", frame, last - first + 1) + path.substr(last + 1);
+  return path.substr(0, first) + fmt::format("{:0{}}", frame.value(), last - first + 1) +
+         path.substr(last + 1);
 }
 
 }  // namespace rayfarm

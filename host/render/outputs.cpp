@@ -87,7 +87,7 @@ std::map<std::string, std::string> make_attributes(const RenderSettings& setting
           {"rayfarm/settings", sha256(encode_settings(settings))}};
 }
 
-std::string why_not_finished(const std::string& file, const RenderSettings& settings, int frame,
+std::string why_not_finished(const std::string& file, const RenderSettings& settings, FrameNumber frame,
                              const std::map<std::string, std::string>& attributes) {
   try {
     const ImageInfo info = read_image_info(file);
@@ -103,7 +103,7 @@ std::string why_not_finished(const std::string& file, const RenderSettings& sett
       if (value.empty()) return "does not say how it was rendered";
       if (value != attributes.at(name)) return fmt::format("is of {}", another);
     }
-    if (attribute("rayfarm/frame") != fmt::format("{}", frame)) return "is of another frame";
+    if (attribute("rayfarm/frame") != fmt::format("{}", frame.value())) return "is of another frame";
     check_image_whole(file);
   } catch (const IoError& e) {
     return fmt::format("is not a whole picture ({})", e.what());

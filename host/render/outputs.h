@@ -22,7 +22,7 @@ std::map<std::string, std::string> make_attributes(const RenderSettings& setting
                                                    std::span<const std::byte> scene_block);
 
 /// Why the file is not the whole picture of this job's frame, or nothing if it is.
-std::string why_not_finished(const std::string& file, const RenderSettings& settings, int frame,
+std::string why_not_finished(const std::string& file, const RenderSettings& settings, FrameNumber frame,
                              const std::map<std::string, std::string>& attributes);
 
 }  // namespace rayfarm

@@ -76,33 +76,41 @@ class Render {
     return render_loaded(roll_call);
   }
 
-  /// The frames to render, with their files.
-  void choose_work(FarmHostOptions& farm_options, const RenderSettings& settings) {
-    for (const int frame : choose_frames(options_, loaded_->description)) {
+  /// A frame to render, and its file.
+  struct Picture {
+    FrameNumber frame;
+    std::string file;
+  };
+
+  /// Frames whose pictures are there are left out, if that is asked for. Throws JobError and InputError.
+  std::vector<Picture> choose_pictures(const RenderSettings& settings,
+                                       const std::map<std::string, std::string>& attributes) const {
+    std::vector<Picture> pictures;
+    for (const FrameNumber frame : choose_frames(options_, loaded_->description)) {
       if (interrupted_by() != 0) throw JobError(kStopped, "stopped before anything was traced");
       const std::string file = file_of_frame(options_.output, frame);
       if (options_.skip_existing && std::filesystem::exists(file)) {
-        const std::string why = why_not_finished(file, settings, frame, farm_options.attributes);
+        const std::string why = why_not_finished(file, settings, frame, attributes);
         if (why.empty()) {
-          log_->info("{} is there; frame {} is skipped", file, frame);
+          log_->info("{} is there; frame {} is skipped", file, frame.value());
           continue;
         }
-        log_->warn("{} {}; frame {} is rendered again", file, why, frame);
+        log_->warn("{} {}; frame {} is rendered again", file, why, frame.value());
       }
       for (const std::string& other : {options_.stats, options_.cost_map})
         if (file == other)
           throw JobError(kUsageError,
                          fmt::format("{} is the file of frame {}, and of --stats or --cost-map; each "
                                      "output needs a name of its own",
-                                     file, frame));
+                                     file, frame.value()));
       try {
-        make_camera(loaded_->compiled.scene, frame, settings.width_px, settings.height_px);
+        make_camera(loaded_->compiled.scene, frame.value(), settings.width_px, settings.height_px);
       } catch (const std::domain_error& e) {
-        throw InputError({options_.scene}, fmt::format("at frame {}: {}", frame, e.what()));
+        throw InputError({options_.scene}, fmt::format("at frame {}: {}", frame.value(), e.what()));
       }
-      farm_options.plan.frames.push_back(frame);
-      farm_options.files.push_back(file);
+      pictures.push_back({frame, file});
     }
+    return pictures;
   }
 
   int render_loaded(const RollCall& roll_call) {
@@ -113,20 +121,25 @@ class Render {
 
     const RenderSettings settings = choose_settings(options_, loaded_->description);
     FarmHostOptions farm_options;
-    farm_options.plan = make_plan(options_, settings, farm_.transport.node_count());
     farm_options.attributes = make_attributes(settings, loaded_->compiled.block.bytes());
-    choose_work(farm_options, settings);
+    std::vector<FrameNumber> frames;
+    for (const Picture& picture : choose_pictures(settings, farm_options.attributes)) {
+      frames.push_back(picture.frame);
+      farm_options.files.push_back(picture.file);
+    }
+    farm_options.plan = make_plan(options_, settings, frames, farm_.transport.node_count());
     const JobPlan& plan = farm_options.plan;
-    if (plan.frames.empty()) {
+    const SubpolygonGrid& grid = pictures_of(plan).grid;
+    if (frames.empty()) {
       log_->info("nothing to do");
       return kComplete;
     }
     farm_options.window_frames = choose_window(
-        settings, plan.frames.size(),
+        settings, frames.size(),
         farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size);  // the machine's copy
     if (options_.wire == Wire::pixel && natural_format(options_.output) != PixelFormat::rgb8)
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
-    log_->debug("{} nodes, {} × {} subpolygons", plan.processors, plan.grid.columns, plan.grid.rows);
+    log_->debug("{} nodes, {} × {} subpolygons", plan.processors, grid.columns, grid.rows);
     make_output_folders(options_);
 
     const double broadcast_begin = now_s();
@@ -156,15 +169,14 @@ class Render {
   int report(const JobPlan& plan, const RenderSettings& settings) {
     const TrafficMeter& meter = *farm_.transport.meter();
     if (!options_.is_quiet)
-      say("{}",
-          options_.is_full_report ? format_full_report(result_, meter, plan) : format_report(result_, meter));
+      say("{}", options_.is_full_report ? format_full_report(result_, meter) : format_report(result_, meter));
     for (const FrameResult& frame : result_.frames)
       if (frame.is_written) std::fprintf(stdout, "%s\n", frame.file.c_str());
     bool is_told = flush_results();
     try {
       if (!options_.stats.empty())
         write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
-      if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, plan.grid);
+      if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, pictures_of(plan).grid);
     } catch (const IoError& e) {
       log_->error(e.what());
       is_told = false;
@@ -177,7 +189,7 @@ class Render {
                                                      : fmt::format("every node is lost ({})", problem));
     }
     for (const FrameResult& frame : result_.frames)
-      if (!frame.problem.empty()) log_->error("frame {} failed: {}", frame.frame, frame.problem);
+      if (!frame.problem.empty()) log_->error("frame {} failed: {}", frame.frame.value(), frame.problem);
     if (result_.frames_failed() == 0) return is_told ? kComplete : kRenderFailure;
     return result_.frames_failed() == result_.frames.size() ? kRenderFailure : kSomeFramesFailed;
   }
