@@ -17,8 +17,6 @@
 namespace rayfarm {
 namespace {
 
-constexpr double kPollInterval_s = 0.01;  ///< while tracing
-
 /// The host said that the job is over.
 struct Finished {
   bool has_losses = false;
@@ -142,7 +140,7 @@ class Node {
       item = phase_->item_of(assigned.step, *subpolygon);
       if (!phase_->has(item)) throw ProtocolError("the step is not one of the phase's");
       const ItemResult result = worker.work(item, [this] {
-        if (now_s() - last_poll_ > kPollInterval_s) poll();
+        if (now_s() - last_poll_ > liveness::kPoll_s) poll();
       });
       if (plan_->ray_time_s > 0) pretend_until(begin + emulated_s(result.rays));
       const SubpolygonReport report{phase_->number_of(item),
@@ -168,8 +166,8 @@ class Node {
   /// Lets time pass as an emulated processor's, without using this one.
   void pretend_until(double end) {
     for (double rest; (rest = end - now_s()) > 0;) {
-      std::this_thread::sleep_for(std::chrono::duration<double>(std::min(rest, kPollInterval_s)));
-      if (now_s() - last_poll_ > kPollInterval_s) poll();
+      std::this_thread::sleep_for(std::chrono::duration<double>(std::min(rest, liveness::kPoll_s)));
+      if (now_s() - last_poll_ > liveness::kPoll_s) poll();
     }
   }
 

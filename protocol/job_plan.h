@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/liveness.h"
 #include "protocol/phase.h"
+#include "protocol/time_limits.h"
 
 namespace rayfarm {
 

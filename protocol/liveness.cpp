@@ -20,7 +20,7 @@ bool runs_this_program(uint32_t pid) {
 }
 
 double ListeningClock::turn(double now_s) {
-  if (last_s_ >= 0) listened_s_ += std::clamp(now_s - last_s_, 0.0, kLongestTurn_s);
+  if (last_s_ >= 0) listened_s_ += std::clamp(now_s - last_s_, 0.0, liveness::kLongestTurn_s);
   last_s_ = now_s;
   return listened_s_;
 }

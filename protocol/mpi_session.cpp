@@ -16,7 +16,7 @@
 #include <mutex>
 #include <vector>
 
-#include "protocol/liveness.h"
+#include "protocol/time_limits.h"
 
 namespace rayfarm {
 namespace {
@@ -30,7 +30,8 @@ static_assert(kChunkBytes % kDataWordBytes == 0);
 /// How long MPI may take to start: longer where many processes share few cores.
 double start_limit_s() {
   const char* size = std::getenv("OMPI_COMM_WORLD_SIZE");
-  return liveness::kLoadingStep_s + 0.5 * std::max(0, (size ? std::atoi(size) : 0) - 8);
+  const int beyond = (size ? std::atoi(size) : 0) - liveness::kStartTogether;
+  return liveness::kLoadingStep_s + liveness::kStartOfProcess_s * std::max(0, beyond);
 }
 
 void check(int code, const char* what) {

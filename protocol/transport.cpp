@@ -4,6 +4,8 @@
 #include <chrono>
 #include <thread>
 
+#include "protocol/time_limits.h"
+
 namespace rayfarm {
 
 void Transport::count(NodeId node, Direction direction, Channel channel, std::span<const std::byte> bytes) {
@@ -35,10 +37,11 @@ std::optional<Message> Transport::try_receive() {
 }
 
 void Backoff::wait() {
-  // 20 µs at first, doubling every four waits up to 4 ms: a poll costs a few µs, so an idle process stays far
-  // below 1 % of a core, and an answer to a fresh event comes fast.
+  // 20 µs at first, doubling every four waits up to the longest nap: a poll costs a few µs, so an idle
+  // process stays far below 1 % of a core, and an answer to a fresh event comes fast.
   const int doublings = std::min(idle_++ / 4, 8);
-  std::this_thread::sleep_for(std::chrono::microseconds(std::min(20 << doublings, 4000)));
+  std::this_thread::sleep_for(
+      std::chrono::duration<double>(std::min(20e-6 * (1 << doublings), liveness::kLongestNap_s)));
 }
 
 }  // namespace rayfarm

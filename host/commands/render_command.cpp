@@ -139,8 +139,8 @@ void add_net(Options& options, RenderOptions& o) {
                        "of RGB8 blocks (default: zstd)");
   options.number("--local-nodes", o.local_nodes, 1, 256,
                  "without mpirun: how many nodes run inside this process (default: one per core)");
-  options.number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s, 3600,
-                 "seconds of silence after which a node is lost (default: 8)");
+  options.number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s,
+                 liveness::kMostNodeTimeout_s, "seconds of silence after which a node is lost (default: 8)");
   options.flag("!--no-rotation", o.rotates,
                "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
   options.number("--subpolygons", o.subpolygons_per_processor, 1, 1 << 20,

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "protocol/index.h"
-#include "protocol/liveness.h"
+#include "protocol/time_limits.h"
 
 namespace rayfarm {
 

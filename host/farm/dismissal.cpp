@@ -60,10 +60,11 @@ bool end_hung_nodes(Transport& transport, const JobResult& result) {
 void dismiss_nodes(Transport& transport, bool has_losses) {
   transport.broadcast(Channel::control, encode_control(Finish{has_losses}));
   // The last messages leave before the process does; nodes end within a poll.
-  for (int i = 0; i < 20; ++i) {
+  constexpr int kTurns = 20;
+  for (int i = 0; i < kTurns; ++i) {
     while (transport.try_receive()) {
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::duration<double>(liveness::kFarewell_s / kTurns));
   }
 }
 

@@ -12,8 +12,6 @@
 namespace rayfarm {
 namespace {
 
-constexpr double kTickInterval_s = 0.1;
-
 AssignmentOptions assignment_options(const FarmHostOptions& o, const PicturesPhase& pictures) {
   AssignmentOptions a;
   a.nodes = o.plan.processors;
@@ -82,7 +80,7 @@ void FarmHost::run() {
       expel_the_gone(now);
       looked = now;
     }
-    if (now - ticked > kTickInterval_s) {
+    if (now - ticked > liveness::kTick_s) {
       assignment_.tick(now);
       ticked = now;
     }

@@ -19,7 +19,7 @@ RenderOptions LocalRuns::job(const std::string& scene, const std::string& name, 
   job.cost_map = file(name + ".map.json").string();
   job.size_px = {width_px, width_px * 3 / 4};
   job.is_quiet = true;
-  job.node_timeout_s = 120;
+  job.node_timeout_s = kPatience_s;
   return job;
 }
 

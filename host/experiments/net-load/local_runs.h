@@ -13,6 +13,9 @@ struct Interrupted {
   int exit_code;
 };
 
+/// `--node-timeout` of all runs: on nets that are full a heartbeat waits long.
+inline constexpr int kPatience_s = 120;
+
 class LocalRuns {
  public:
   /// Makes the folder.

@@ -111,14 +111,13 @@ class NetLoad {
     const std::string stats = (runs / (name + ".json")).string();
     const std::string command = fmt::format(
         "{}{} --nodes {} --rate {:.0f}bit --net {} --counters {} --samples {} -- {} render {} -o {} --stats "
-        "{} "
-        "--cost-map {} "
-        "--size {}x{} --node-timeout 120 -q {} >/dev/null",
+        "{} --cost-map {} --size {}x{} --node-timeout {} -q {} >/dev/null",
         environment, quoted(options_.cluster), nodes, rate, net,
         quoted((runs / (name + ".links.json")).string()), quoted((runs / (name + ".samples.csv")).string()),
         quoted(fs::read_symlink("/proc/self/exe").string()), quoted(scene),
         quoted((runs / (name + ".png")).string()), quoted(stats),
-        quoted((runs / (name + ".map.json")).string()), setup.width_px, setup.width_px * 3 / 4, arguments);
+        quoted((runs / (name + ".map.json")).string()), setup.width_px, setup.width_px * 3 / 4, kPatience_s,
+        arguments);
     const int status = std::system(command.c_str());
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
       fmt::print(stderr, "rayfarm: the run '{}' on the virtual cluster failed\n", name);
