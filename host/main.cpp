@@ -5,16 +5,12 @@
 #include <thread>
 
 #include "common/errors/input_error.h"
-#include "host/console.h"
-#include "host/exit_code.h"
-#include "host/interrupt.h"
-#include "host/launch.h"
-#include "host/lighting_experiment.h"
-#include "host/net/net_commands.h"
-#include "host/net/net_load_experiment.h"
-#include "host/net/working_sets.h"
-#include "host/render_command.h"
-#include "host/scene_commands.h"
+#include "host/commands/commands.h"
+#include "host/process/console.h"
+#include "host/process/exit_code.h"
+#include "host/process/interrupt.h"
+#include "host/process/launch.h"
+#include "host/render/render_job.h"
 #include "node/node.h"
 #include "protocol/liveness.h"
 #include "protocol/local_transport.h"
@@ -43,8 +39,8 @@ int render_locally(const RenderOptions& options) {
       threads.emplace_back([ends, loaded, i] {
         if (static_cast<size_t>(i) < ends.get().size())
           run_node(
-              *ends.get()[static_cast<size_t>(i)], i, [&loaded](const auto&) { return loaded.get(); },
-              make_scene_tracer);
+              *ends.get()[static_cast<size_t>(i)], NodeId(i), [&loaded](const auto&) { return loaded.get(); },
+              make_scene_worker);
       });
   } catch (const std::system_error& e) {
     if (threads.empty()) throw;
@@ -96,38 +92,25 @@ int render_locally(const RenderOptions& options) {
         make_witness({{"the host", host}}, liveness::kGraceForHost_s));
     return shared->bytes();
   };
-  const NodeEnding ending = run_node(*transport, session.rank(), load_scene_block, make_scene_tracer);
+  const NodeEnding ending = run_node(*transport, NodeId(session.rank()), load_scene_block, make_scene_worker);
   heart.reset();
   session.finish(ending == NodeEnding::failed ? kRenderFailure : kComplete,
                  ending == NodeEnding::finished ? Parting::together : Parting::without_the_lost);
 }
 
-int run(const CommandLine& line, int argc, char** argv) {
+int run(const Request& request, int argc, char** argv) {
   // All but a render are one process's work, and one process's words.
-  if (line.kind != CommandKind::render && launched_rank() != 0) return line.exit_code;
-  switch (line.kind) {
-    case CommandKind::none:
-      line.exit_code == 0 ? fmt::print("{}", line.message) : say("{}", line.message);
-      return line.exit_code;
-    case CommandKind::render:
-      if (MpiSession::is_launched()) render_on_mpi(line.render, argc, argv);
-      return render_locally(line.render);
-    case CommandKind::check:
-      return run_check(line.scene);
-    case CommandKind::info:
-      return run_info(line.scene);
-    case CommandKind::experiment:
-      if (line.experiment.name == "net-load") return run_net_load_experiment(line.experiment, render_locally);
-      if (line.experiment.name == "working-sets") return run_working_set_experiment(line.experiment);
-      return run_lighting_experiment(line.experiment, render_locally);
-    case CommandKind::model:
-      return run_model(line.model);
-    case CommandKind::simulate:
-      return run_simulate(line.simulate);
-    case CommandKind::compare:
-      return run_compare(line.compare);
+  const bool is_for_all_ranks = request.verb && request.verb->is_for_all_ranks;
+  if (!is_for_all_ranks && launched_rank() != 0) return request.exit_code;
+  if (!request.verb) {
+    request.exit_code == 0 ? fmt::print("{}", request.message) : say("{}", request.message);
+    return request.exit_code;
   }
-  return kComplete;
+  const auto render = [&](const RenderOptions& options) {
+    if (MpiSession::is_launched()) render_on_mpi(options, argc, argv);
+    return render_locally(options);
+  };
+  return request.verb->run({render, render_locally});
 }
 
 }  // namespace
@@ -136,7 +119,7 @@ int main(int argc, char** argv) {
   hold_standard_streams();
   int code = kRenderFailure;
   try {
-    code = run(parse_command_line(argc, argv), argc, argv);
+    code = run(read_command_line(argc, argv), argc, argv);
     if (!flush_results() && code == kComplete) code = kRenderFailure;
   } catch (const std::exception& e) {
     say("rayfarm: {}\n", e.what());

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "protocol/block_codec.h"
+#include "node/results.h"
 #include "protocol/build_identity.h"
 #include "protocol/clock.h"
 #include "protocol/watchdog.h"
@@ -17,8 +17,6 @@ namespace rayfarm {
 namespace {
 
 static_assert(kRayCounters == kRayKinds, "the wire carries a counter for each kind of ray");
-
-constexpr double kPollInterval_s = 0.01;  ///< while tracing
 
 /// The host said that the job is over.
 struct Finished {
@@ -29,14 +27,15 @@ struct HostGone {
   std::string sign;
 };
 
+/// What the host hands out.
 struct Assigned {
-  int frame = 0;
+  StepIndex step;
   DisplayPolygon polygon;
 };
 
 class Node {
  public:
-  Node(Transport& transport, int self) : transport_(transport), self_(self) {}
+  Node(Transport& transport, NodeId self) : transport_(transport), self_(self) {}
 
   void introduce() {
     transport_.send(kHost, Hello{machine_name(), static_cast<uint32_t>(getpid()), build_identity()});
@@ -48,18 +47,20 @@ class Node {
     return decode_plan(*plan_bytes_);
   }
 
+  /// From now on the node works by `plan`, which must outlive it.
   void begin(const JobPlan& plan) {
-    plan_ = plan;
+    plan_ = &plan;
+    phase_ = &pictures_of(plan);
     host_heard_ = listening_.now();
   }
 
-  /// Until the host ends it. A node that could not load (no tracer) only waits for that.
-  [[noreturn]] void work(SubpolygonTracer* tracer) {
+  /// Until the host ends it. A node that could not load (no worker) only waits for that.
+  [[noreturn]] void work(PhaseWorker* worker) {
     Backoff backoff;
     while (true) {
       poll();
-      if (const auto next = tracer ? next_subpolygon() : std::nullopt) {
-        trace(*tracer, *next);
+      if (const auto next = worker ? next_item() : std::nullopt) {
+        do_item(*worker, *next);
         backoff.reset();
       } else {
         backoff.wait();
@@ -83,7 +84,7 @@ class Node {
       } else if (command_of(message->bytes) == Command::load_code) {
         plan_bytes_ = decode_load_code(message->bytes);
       } else {
-        assigned_.push_back({frame_, decode_display_polygon(message->bytes)});
+        assigned_.push_back({step_, decode_display_polygon(message->bytes)});
       }
     }
     if (!transport_.is_one_process()) doubt_host();
@@ -96,154 +97,118 @@ class Node {
     const std::string host =
         host_.pid() ? fmt::format("its host (process {} on {})", host_.pid(), host_.machine()) : "its host";
     if (host_.is_gone()) throw HostGone{host + " is gone"};
-    if (silence > plan_.host_timeout_s)
+    if (silence > host_timeout_s())
       throw HostGone{fmt::format("{} has been silent for {:.0f} s", host, silence)};
   }
+
+  double host_timeout_s() const { return plan_ ? plan_->host_timeout_s : liveness::kLongSilence_s; }
 
   void receive_control(const Control& control) {
     if (const auto* finish = std::get_if<Finish>(&control)) throw Finished{finish->has_losses};
     if (std::holds_alternative<AskPresent>(control)) transport_.send(kHost, Present{});
     if (const auto* hello = std::get_if<Hello>(&control)) host_ = {hello->machine, hello->pid};
-    if (const auto* select = std::get_if<SelectFrame>(&control)) frame_ = static_cast<int>(select->frame);
-    if (const auto* window = std::get_if<OpenWindow>(&control)) window_end_ = window->end_index;
+    if (const auto* select = std::get_if<SelectStep>(&control)) step_ = select->step;
+    if (const auto* open = std::get_if<OpenSteps>(&control)) open_end_ = open->end;
     if (const auto* end = std::get_if<EndProcess>(&control)) end_hung_process(end->pid);
   }
 
-  /// What the host assigned comes first; then, when interleaved, this node's own set of each frame in the
-  /// window.
-  std::optional<Assigned> next_subpolygon() {
+  /// What the host assigned comes first; then, when interleaved, this node's own items of each open step.
+  std::optional<Assigned> next_item() {
     if (!assigned_.empty()) {
       const Assigned next = assigned_.front();
       assigned_.pop_front();
       return next;
     }
-    if (plan_.policy != AssignmentPolicy::interleaved) return std::nullopt;
-    while (own_next_ == own_.size()) {
-      if (own_frame_index_ >= window_end_ || own_frame_index_ >= plan_.frames.size()) return std::nullopt;
-      own_ = interleaved_set(plan_.grid, plan_.processors,
-                             plan_.rotates ? static_cast<int>(own_frame_index_) : 0, self_ - 1);
-      ++own_frame_index_;
-      own_next_ = 0;
+    if (plan_->policy != AssignmentPolicy::interleaved) return std::nullopt;
+    while (own_.empty()) {
+      if (own_step_ >= open_end_ || own_step_.value() >= phase_->steps()) return std::nullopt;
+      for (SubpolygonId s; s.value() < phase_->items_per_step(); ++s)
+        if (const ItemIndex item = phase_->item_of(own_step_, s); owner_of(*plan_, *phase_, item) == self_)
+          own_.push_back({own_step_, phase_->polygon_of(item)});
+      ++own_step_;
     }
-    return Assigned{plan_.frames[own_frame_index_ - 1], plan_.grid.polygon(own_[own_next_++])};
+    const Assigned next = own_.front();
+    own_.pop_front();
+    return next;
   }
 
-  void trace(SubpolygonTracer& tracer, const Assigned& work) {
-    const int subpolygon = plan_.grid.find(work.polygon);
+  void do_item(PhaseWorker& worker, const Assigned& assigned) {
     const double begin = now_s();
+    ItemIndex item = phase_->item_of(assigned.step, SubpolygonId());
     try {
-      if (subpolygon < 0) throw ProtocolError("the display polygon is not one of the grid's");
-      const auto traced = tracer.trace(work.frame, work.polygon, [this] {
-        if (now_s() - last_poll_ > kPollInterval_s) poll();
+      const std::optional<SubpolygonId> subpolygon = phase_->grid.find(assigned.polygon);
+      if (!subpolygon) throw ProtocolError("the display polygon is not one of the grid's");
+      item = phase_->item_of(assigned.step, *subpolygon);
+      if (!phase_->has(item)) throw ProtocolError("the step is not one of the phase's");
+      const ItemResult result = worker.work(item, [this] {
+        if (now_s() - last_poll_ > liveness::kPoll_s) poll();
       });
-      if (plan_.ray_time_s > 0) pretend_until(begin + emulated_s(traced.rays));
-      SubpolygonReport report{static_cast<uint32_t>(work.frame),
-                              static_cast<uint32_t>(subpolygon),
-                              traced.rays.by_kind,
-                              static_cast<uint64_t>((now_s() - begin) * 1e6),
-                              traced.sees_anything,
-                              traced.not_finite};
-      if (plan_.wire == Wire::pixel)
-        send_pixels(work.polygon, report, traced.pixels);
-      else
-        send_block(work.polygon, report, traced.pixels);
+      if (plan_->ray_time_s > 0) pretend_until(begin + emulated_s(result.rays));
+      const SubpolygonReport report{phase_->number_of(item), *subpolygon,
+                                    result.rays.by_kind,     static_cast<uint64_t>((now_s() - begin) * 1e6),
+                                    result.sees_anything,    result.not_finite};
+      send_subpolygon(transport_, self_, *plan_, assigned.polygon, report, result.bytes);
     } catch (const std::exception& e) {
-      transport_.send(kHost, SubpolygonFailed{static_cast<uint32_t>(work.frame),
-                                              static_cast<uint32_t>(std::max(subpolygon, 0)), e.what()});
+      transport_.send(kHost, ItemFailed{item, e.what()});
     }
   }
 
   /// What the emulated processor takes for so many rays.
   double emulated_s(const RayCounts& rays) const {
-    const auto& factors = plan_.time_factors;
-    const double factor = factors.empty() ? 1 : factors[static_cast<size_t>(self_ - 1) % factors.size()];
-    return plan_.ray_time_s * factor * static_cast<double>(rays.total());
+    const auto& factors = plan_->time_factors;
+    const double factor = factors.empty() ? 1 : factors[(self_.place() - 1) % factors.size()];
+    return plan_->ray_time_s * factor * static_cast<double>(rays.total());
   }
 
   /// Lets time pass as an emulated processor's, without using this one.
   void pretend_until(double end) {
     for (double rest; (rest = end - now_s()) > 0;) {
-      std::this_thread::sleep_for(std::chrono::duration<double>(std::min(rest, kPollInterval_s)));
-      if (now_s() - last_poll_ > kPollInterval_s) poll();
+      std::this_thread::sleep_for(std::chrono::duration<double>(std::min(rest, liveness::kPoll_s)));
+      if (now_s() - last_poll_ > liveness::kPoll_s) poll();
     }
-  }
-
-  uint16_t processor() const { return static_cast<uint16_t>(self_ - 1); }
-
-  void send_pixels(const DisplayPolygon& polygon, const SubpolygonReport& report, const Bytes& pixels) {
-    ByteWriter writer;
-    size_t i = 0;
-    for (int y = polygon.top; y <= polygon.bottom; ++y)
-      for (int x = polygon.left; x <= polygon.right; ++x, i += 3) {
-        append_pixel(processor(),
-                     {static_cast<uint16_t>(x),
-                      static_cast<uint16_t>(y),
-                      {static_cast<uint8_t>(pixels[i]), static_cast<uint8_t>(pixels[i + 1]),
-                       static_cast<uint8_t>(pixels[i + 2])}},
-                     writer);
-        if (writer.size() == kPixelsPerTransfer * kPixelBytes)
-          transport_.send(kHost, Channel::pixels, std::exchange(writer, {}).take());
-      }
-    if (writer.size() > 0) transport_.send(kHost, Channel::pixels, writer.take());
-    transport_.send(kHost, SubpolygonDone{report});
-  }
-
-  void send_block(const DisplayPolygon& polygon, const SubpolygonReport& report, const Bytes& pixels) {
-    const int width = polygon.right - polygon.left + 1, height = polygon.bottom - polygon.top + 1;
-    BlockResult block{report, false, pixels};
-    Bytes compressed;
-    if (plan_.compresses &&
-        pixels.size() == size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height)) {
-      compressed = compress_rgb8(pixels, width, height);
-      if (compressed.size() < pixels.size()) {
-        block.is_compressed = true;
-        block.pixels = compressed;
-      }
-    }
-    transport_.send(kHost, Channel::command, encode_block(processor(), block));
   }
 
   Transport& transport_;
-  int self_;
-  JobPlan plan_;
+  NodeId self_;
+  const JobPlan* plan_ = nullptr;  ///< once it has loaded
+  const PicturesPhase* phase_ = nullptr;
   std::optional<Bytes> plan_bytes_;
   ProcessSign host_;
   ListeningClock listening_;
   double host_heard_ = 0;  ///< by the listening clock
   double last_poll_ = 0;
-  int frame_ = 0;  ///< of the display polygons to come
+  StepIndex step_;  ///< of the display polygons to come
   std::deque<Assigned> assigned_;
-  uint32_t window_end_ = 0;     ///< interleaved: frames of the sequence before this may be traced
-  size_t own_frame_index_ = 0;  ///< interleaved: the next frame of the sequence
-  std::vector<int> own_;
-  size_t own_next_ = 0;
+  StepIndex open_end_;  ///< interleaved: steps before this may be worked on
+  StepIndex own_step_;  ///< interleaved: the first whose items are not in own_
+  std::deque<Assigned> own_;
 };
 
 }  // namespace
 
-NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene,
-                    const MakeTracer& make_tracer) {
+NodeEnding run_node(Transport& transport, NodeId self, const LoadScene& load_scene,
+                    const MakeWorker& make_worker) {
   Node node(transport, self);
   try {
     node.introduce();
     const JobPlan plan = node.receive_plan();
     if (plan.build != build_identity()) {
       std::fprintf(stderr, "rayfarm: node %d on %s is of another build than its host; it refuses to work\n",
-                   self, machine_name().c_str());
+                   self.value(), machine_name().c_str());
       return NodeEnding::failed;
     }
-    std::unique_ptr<SubpolygonTracer> tracer;
+    std::unique_ptr<PhaseWorker> worker;
     try {
-      tracer = make_tracer(plan, load_scene(node.host()));
+      worker = make_worker(plan, plan.phases.at(0), load_scene(node.host()));
     } catch (const std::exception& e) {
       node.send_failure(e.what());
     }
     node.begin(plan);
-    node.work(tracer.get());
+    node.work(worker.get());
   } catch (const Finished& finished) {
     return finished.has_losses ? NodeEnding::finished_with_losses : NodeEnding::finished;
   } catch (const HostGone& gone) {
-    std::fprintf(stderr, "rayfarm: node %d on %s ends: %s\n", self, machine_name().c_str(),
+    std::fprintf(stderr, "rayfarm: node %d on %s ends: %s\n", self.value(), machine_name().c_str(),
                  gone.sign.c_str());
     return NodeEnding::failed;
   }

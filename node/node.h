@@ -1,6 +1,6 @@
 #pragma once
-// A processor of the net (thesis 4.4.4.2): it holds the whole scene, traces subpolygons and returns their
-// pixels. It reads nothing from disks, and waits only for its host.
+// A processor of the net (thesis 4.4.4.2): it holds the whole scene, does items of work and returns what came
+// of them. It reads nothing from disks, and waits only for its host.
 #include <functional>
 #include <span>
 #include <string>
@@ -12,24 +12,26 @@
 
 namespace rayfarm {
 
-/// Traces subpolygons; a node has one.
-class SubpolygonTracer {
+/// What doing an item gave, and took.
+struct ItemResult {
+  Bytes bytes;  ///< of pictures: the subpolygon's pixels
+  RayCounts rays;
+  bool sees_anything = true;  ///< an eye ray met something
+  uint64_t not_finite = 0;    ///< pixels that are infinite or not a number
+};
+
+/// Does the work of a phase.
+class PhaseWorker {
  public:
-  virtual ~SubpolygonTracer() = default;
-  struct Traced {
-    Bytes pixels;
-    RayCounts rays;
-    bool sees_anything = true;  ///< an eye ray met something
-    uint64_t not_finite = 0;    ///< pixels that are infinite or not a number
-  };
+  virtual ~PhaseWorker() = default;
   /// `pulse` must be called often; what it throws must pass through.
-  virtual Traced trace(int frame, const DisplayPolygon& polygon, const std::function<void()>& pulse) = 0;
+  virtual ItemResult work(ItemIndex item, const std::function<void()>& pulse) = 0;
 };
 
 /// How a node comes by the scene's block once load code has come; the bytes stay valid while the node runs.
 using LoadScene = std::function<std::span<const std::byte>(const ProcessSign& host)>;
-using MakeTracer =
-    std::function<std::unique_ptr<SubpolygonTracer>(const JobPlan& plan, std::span<const std::byte> scene)>;
+using MakeWorker = std::function<std::unique_ptr<PhaseWorker>(const JobPlan& plan, const Phase& phase,
+                                                              std::span<const std::byte> scene)>;
 
 enum class NodeEnding {
   finished,
@@ -37,11 +39,12 @@ enum class NodeEnding {
   failed                 ///< the host is gone or belongs to another build: a message went to stderr
 };
 
-/// Runs node `self` (1 … n) until the host says that the job is over.
-NodeEnding run_node(Transport& transport, int self, const LoadScene& load_scene,
-                    const MakeTracer& make_tracer);
+/// Runs node `self` until the host says that the job is over.
+NodeEnding run_node(Transport& transport, NodeId self, const LoadScene& load_scene,
+                    const MakeWorker& make_worker);
 
-/// The tracer of the scene's renderer.
-std::unique_ptr<SubpolygonTracer> make_scene_tracer(const JobPlan& plan, std::span<const std::byte> scene);
+/// The worker that traces: of any phase, by the scene's renderer. `plan` and `phase` must outlive it.
+std::unique_ptr<PhaseWorker> make_scene_worker(const JobPlan& plan, const Phase& phase,
+                                               std::span<const std::byte> scene);
 
 }  // namespace rayfarm

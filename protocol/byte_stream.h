@@ -18,6 +18,7 @@ class ByteWriter {
   void u8(uint8_t v) { put(v, 1); }
   void u16(uint16_t v) { put(v, 2); }
   void u32(uint32_t v) { put(v, 4); }
+  void u64(uint64_t v) { put(v, 8); }
   /// 7 bits a byte, lowest first: small numbers take one byte.
   void varint(uint64_t v) {
     for (; v >= 0x80; v >>= 7) u8(static_cast<uint8_t>(v | 0x80));
@@ -45,6 +46,7 @@ class ByteReader {
   uint8_t u8() { return static_cast<uint8_t>(get(1)); }
   uint16_t u16() { return static_cast<uint16_t>(get(2)); }
   uint32_t u32() { return static_cast<uint32_t>(get(4)); }
+  uint64_t u64() { return get(8); }
   uint64_t varint() {
     uint64_t v = 0;
     for (int shift = 0; shift < 64; shift += 7) {

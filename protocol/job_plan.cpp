@@ -4,26 +4,57 @@ namespace rayfarm {
 namespace {
 // Times and factors travel as whole numbers.
 constexpr double kTicksPerSecond = 1e12, kFactorUnit = 1e6;
+
+enum class PhaseKind : uint8_t { pictures };
+
+enum Flag : uint8_t { kPixelWire = 1, kCompresses = 2, kRotates = 4 };
+
+void write_phase(ByteWriter& w, const PicturesPhase& phase) {
+  w.u8(static_cast<uint8_t>(PhaseKind::pictures));
+  w.varint(phase.frames.size());
+  for (const FrameNumber frame : phase.frames) w.u32(static_cast<uint32_t>(frame.value()));
+  const SubpolygonGrid& g = phase.grid;
+  for (const int v : {g.left, g.top, g.width, g.height, g.columns, g.rows}) w.u32(static_cast<uint32_t>(v));
+}
+
+PicturesPhase read_pictures(ByteReader& r, size_t plan_bytes) {
+  PicturesPhase phase;
+  const uint64_t frames = r.varint();
+  if (frames > plan_bytes / 4) throw ProtocolError("a plan has more frames than bytes");
+  for (uint64_t i = 0; i < frames; ++i) phase.frames.emplace_back(static_cast<int>(r.u32()));
+  SubpolygonGrid& g = phase.grid;
+  for (int* v : {&g.left, &g.top, &g.width, &g.height, &g.columns, &g.rows}) {
+    const uint32_t value = r.u32();
+    if (value > 65536) throw ProtocolError("a plan's grid is out of range");
+    *v = static_cast<int>(value);
+  }
+  if (g.columns < 1 || g.rows < 1 || g.width < g.columns || g.height < g.rows)
+    throw ProtocolError("a plan's grid is empty");
+  return phase;
+}
+
+Phase read_phase(ByteReader& r, size_t plan_bytes) {
+  if (r.u8() != static_cast<uint8_t>(PhaseKind::pictures)) throw ProtocolError("a phase of unknown kind");
+  return read_pictures(r, plan_bytes);
+}
+
 }  // namespace
 
 Bytes encode_plan(const JobPlan& plan) {
   ByteWriter w;
   w.text(plan.build);
-  w.varint(plan.frames.size());
-  for (const int frame : plan.frames) w.u32(static_cast<uint32_t>(frame));
   w.u8(static_cast<uint8_t>(plan.policy));
-  w.u8(static_cast<uint8_t>(plan.wire));
-  w.u8(plan.compresses ? 1 : 0);
+  w.u8(static_cast<uint8_t>((plan.wire == Wire::pixel ? kPixelWire : 0) |
+                            (plan.compresses ? kCompresses : 0) | (plan.rotates ? kRotates : 0)));
   w.u32(static_cast<uint32_t>(plan.processors));
   w.u32(static_cast<uint32_t>(plan.host_timeout_s * 1000));
-  const SubpolygonGrid& g = plan.grid;
-  for (const int v : {g.left, g.top, g.width, g.height, g.columns, g.rows}) w.u32(static_cast<uint32_t>(v));
-  w.u8(plan.rotates ? 1 : 0);
   w.varint(static_cast<uint64_t>(plan.ray_time_s * kTicksPerSecond));
   w.varint(plan.time_factors.size());
   for (const double factor : plan.time_factors) w.varint(static_cast<uint64_t>(factor * kFactorUnit));
   w.varint(plan.settings.size());
   w.bytes(plan.settings);
+  w.varint(plan.phases.size());
+  for (const Phase& phase : plan.phases) std::visit([&w](const auto& p) { write_phase(w, p); }, phase);
   return w.take();
 }
 
@@ -31,26 +62,17 @@ JobPlan decode_plan(std::span<const std::byte> bytes) {
   ByteReader r(bytes);
   JobPlan plan;
   plan.build = r.text();
-  const uint64_t frames = r.varint();
-  if (frames > bytes.size() / 4) throw ProtocolError("a plan has more frames than bytes");
-  for (uint64_t i = 0; i < frames; ++i) plan.frames.push_back(static_cast<int>(r.u32()));
-  const uint8_t policy = r.u8(), wire = r.u8();
-  if (policy > 1 || wire > 1) throw ProtocolError("a plan of unknown policy or wire");
+  const uint8_t policy = r.u8(), flags = r.u8();
+  if (policy > 1 || flags > (kPixelWire | kCompresses | kRotates))
+    throw ProtocolError("a plan of unknown policy or wire");
   plan.policy = static_cast<AssignmentPolicy>(policy);
-  plan.wire = static_cast<Wire>(wire);
-  plan.compresses = r.u8() != 0;
+  plan.wire = flags & kPixelWire ? Wire::pixel : Wire::block;
+  plan.compresses = flags & kCompresses;
+  plan.rotates = flags & kRotates;
   plan.processors = static_cast<int>(r.u32());
+  if (plan.processors < 1 || plan.processors > kMostProcessors)
+    throw ProtocolError("a plan for no processor, or for too many");
   plan.host_timeout_s = r.u32() / 1000.0;
-  SubpolygonGrid& g = plan.grid;
-  for (int* v : {&g.left, &g.top, &g.width, &g.height, &g.columns, &g.rows}) {
-    const uint32_t value = r.u32();
-    if (value > 65536) throw ProtocolError("a plan's grid is out of range");
-    *v = static_cast<int>(value);
-  }
-  if (plan.processors < 1 || plan.processors > kMostProcessors || g.columns < 1 || g.rows < 1 ||
-      g.width < g.columns || g.height < g.rows)
-    throw ProtocolError("a plan's grid is empty");
-  plan.rotates = r.u8() != 0;
   plan.ray_time_s = static_cast<double>(r.varint()) / kTicksPerSecond;
   const uint64_t factors = r.varint();
   if (factors > bytes.size()) throw ProtocolError("a plan has more time factors than bytes");
@@ -58,7 +80,21 @@ JobPlan decode_plan(std::span<const std::byte> bytes) {
     plan.time_factors.push_back(static_cast<double>(r.varint()) / kFactorUnit);
   const auto settings = r.bytes(r.varint());
   plan.settings.assign(settings.begin(), settings.end());
+  const uint64_t phases = r.varint();
+  if (phases == 0 || phases > bytes.size()) throw ProtocolError("a plan has no phase, or more than bytes");
+  for (uint64_t i = 0; i < phases; ++i) plan.phases.push_back(read_phase(r, bytes.size()));
   return plan;  // load code pads its payload to whole words, so bytes may follow
+}
+
+const PicturesPhase& pictures_of(const JobPlan& plan) {
+  for (const Phase& phase : plan.phases)
+    if (const auto* pictures = std::get_if<PicturesPhase>(&phase)) return *pictures;
+  throw ProtocolError("a plan without pictures");
+}
+
+NodeId owner_of(const JobPlan& plan, const PicturesPhase& phase, ItemIndex item) {
+  const FrameIndex shift = plan.rotates ? phase.frame_of(item) : FrameIndex(0);
+  return NodeId(interleaved_owner(phase.grid, plan.processors, shift, phase.subpolygon_of(item)) + 1);
 }
 
 }  // namespace rayfarm

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "protocol/liveness.h"
-#include "protocol/subpolygons.h"
+#include "protocol/phase.h"
+#include "protocol/time_limits.h"
 
 namespace rayfarm {
 
@@ -13,19 +13,24 @@ enum class AssignmentPolicy : uint8_t { on_demand, interleaved };
 enum class Wire : uint8_t { block, pixel };
 
 struct JobPlan {
-  std::string build;        ///< the host's
-  std::vector<int> frames;  ///< in the order in which they are rendered
+  std::string build;  ///< the host's
+  std::vector<Phase> phases;
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;  ///< RGB8 blocks only
   int processors = 1;
   double host_timeout_s = liveness::kLongSilence_s;  ///< a node ends if its host is silent for so long
-  SubpolygonGrid grid;
-  bool rotates = true;               ///< interleaved: sets move on from frame to frame
-  double ray_time_s = 0;             ///< emulated processors: what a ray takes at least
+  bool rotates = true;                               ///< interleaved: sets move on from step to step
+  double ray_time_s = 0;                             ///< emulated processors: what a ray takes at least
   std::vector<double> time_factors;  ///< of the processors, in turn: 2 takes twice as long; empty: all 1
   Bytes settings;
 };
+
+/// The phase that makes the pictures; every job has one. Throws ProtocolError if this has none.
+const PicturesPhase& pictures_of(const JobPlan& plan);
+
+/// Interleaved: the node that does an item by itself.
+NodeId owner_of(const JobPlan& plan, const PicturesPhase& phase, ItemIndex item);
 
 Bytes encode_plan(const JobPlan& plan);
 JobPlan decode_plan(std::span<const std::byte> bytes);

@@ -20,7 +20,7 @@ bool runs_this_program(uint32_t pid) {
 }
 
 double ListeningClock::turn(double now_s) {
-  if (last_s_ >= 0) listened_s_ += std::clamp(now_s - last_s_, 0.0, kLongestTurn_s);
+  if (last_s_ >= 0) listened_s_ += std::clamp(now_s - last_s_, 0.0, liveness::kLongestTurn_s);
   last_s_ = now_s;
   return listened_s_;
 }
@@ -55,7 +55,7 @@ Heart::Heart(Transport& transport, double stuck_s)
       stuck_s_(stuck_s),
       thread_([this](const std::stop_token& end) { beat_until(end); }) {}
 
-void Heart::beat(int to) {
+void Heart::beat(NodeId to) {
   try {
     transport_.send(to, Alive{});
   } catch (const std::exception&) {
@@ -72,7 +72,7 @@ void Heart::beat_until(const std::stop_token& end) {
     if (end.stop_requested()) return;
     if (now_s() - transport_.last_turn_s() > stuck_s_) continue;
     if (transport_.is_host()) {
-      for (int node = 1; node <= transport_.node_count(); ++node) beat(node);
+      for (NodeId node(1); node.value() <= transport_.node_count(); ++node) beat(node);
     } else {
       beat(kHost);
     }

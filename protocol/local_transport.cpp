@@ -18,20 +18,20 @@ struct Hub {
 
 class LocalTransport : public Transport {
  public:
-  LocalTransport(std::shared_ptr<Hub> hub, int self) : hub_(std::move(hub)), self_(self) {
+  LocalTransport(std::shared_ptr<Hub> hub, NodeId self) : hub_(std::move(hub)), self_(self) {
     if (self == kHost) own_meter(node_count());
   }
   int node_count() const override { return static_cast<int>(hub_->inboxes.size()) - 1; }
   bool is_one_process() const override { return true; }
 
  protected:
-  void do_send(int to, Channel channel, Bytes bytes) override {
-    Hub::Inbox& inbox = hub_->inboxes.at(static_cast<size_t>(to));
+  void do_send(NodeId to, Channel channel, Bytes bytes) override {
+    Hub::Inbox& inbox = hub_->inboxes.at(to.place());
     const std::lock_guard lock(inbox.mutex);
     inbox.messages.push_back({self_, channel, std::move(bytes)});
   }
   std::optional<Message> do_try_receive() override {
-    Hub::Inbox& inbox = hub_->inboxes[static_cast<size_t>(self_)];
+    Hub::Inbox& inbox = hub_->inboxes[self_.place()];
     const std::lock_guard lock(inbox.mutex);
     if (inbox.messages.empty()) return std::nullopt;
     Message message = std::move(inbox.messages.front());
@@ -41,7 +41,7 @@ class LocalTransport : public Transport {
 
  private:
   std::shared_ptr<Hub> hub_;
-  int self_;
+  NodeId self_;
 };
 
 }  // namespace
@@ -49,7 +49,7 @@ class LocalTransport : public Transport {
 std::vector<std::unique_ptr<Transport>> make_local_transports(int nodes) {
   const auto hub = std::make_shared<Hub>(nodes);
   std::vector<std::unique_ptr<Transport>> ends;
-  for (int i = 0; i <= nodes; ++i) ends.push_back(std::make_unique<LocalTransport>(hub, i));
+  for (NodeId i; i.value() <= nodes; ++i) ends.push_back(std::make_unique<LocalTransport>(hub, i));
   return ends;
 }
 

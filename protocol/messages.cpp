@@ -6,23 +6,24 @@ namespace rayfarm {
 namespace {
 
 void write_report(ByteWriter& w, const SubpolygonReport& r) {
-  w.varint(r.frame);
-  w.varint(r.subpolygon);
+  w.varint(static_cast<uint64_t>(r.frame.value()));
+  w.varint(static_cast<uint64_t>(r.subpolygon.value()));
   for (const uint64_t rays : r.rays) w.varint(rays);
   w.varint(r.busy_us);
   w.varint(r.not_finite << 1 | (r.sees_anything ? 1u : 0u));
 }
 
-uint32_t read_u32_varint(ByteReader& r) {
-  const uint64_t v = r.varint();
-  if (v > std::numeric_limits<uint32_t>::max()) throw ProtocolError("a number in a message is out of range");
-  return static_cast<uint32_t>(v);
+template <typename Value>
+Value checked(uint64_t number) {
+  if (number > static_cast<uint64_t>(std::numeric_limits<Value>::max()))
+    throw ProtocolError("a number in a message is out of range");
+  return static_cast<Value>(number);
 }
 
 SubpolygonReport read_report(ByteReader& r) {
   SubpolygonReport report;
-  report.frame = read_u32_varint(r);
-  report.subpolygon = read_u32_varint(r);
+  report.frame = FrameNumber(checked<int>(r.varint()));
+  report.subpolygon = SubpolygonId(checked<int>(r.varint()));
   for (uint64_t& rays : report.rays) rays = r.varint();
   report.busy_us = r.varint();
   const uint64_t last = r.varint();
@@ -173,12 +174,11 @@ Bytes encode_control(const Control& control) {
       w.text(m.build);
     }
     void operator()(const Alive&) const {}
-    void operator()(const SelectFrame& m) const { w.u32(m.frame); }
-    void operator()(const OpenWindow& m) const { w.u32(m.end_index); }
+    void operator()(const SelectStep& m) const { w.u32(static_cast<uint32_t>(m.step.value())); }
+    void operator()(const OpenSteps& m) const { w.u32(static_cast<uint32_t>(m.end.value())); }
     void operator()(const SubpolygonDone& m) const { write_report(w, m.report); }
-    void operator()(const SubpolygonFailed& m) const {
-      w.u32(m.frame);
-      w.u32(m.subpolygon);
+    void operator()(const ItemFailed& m) const {
+      w.u64(static_cast<uint64_t>(m.item.value()));
       w.text(m.problem);
     }
     void operator()(const NodeFailed& m) const { w.text(m.problem); }
@@ -208,18 +208,17 @@ Control decode_control(std::span<const std::byte> message) {
       control = Alive{};
       break;
     case 2:
-      control = SelectFrame{r.u32()};
+      control = SelectStep{StepIndex(checked<int>(r.u32()))};
       break;
     case 3:
-      control = OpenWindow{r.u32()};
+      control = OpenSteps{StepIndex(checked<int>(r.u32()))};
       break;
     case 4:
       control = SubpolygonDone{read_report(r)};
       break;
     case 5: {
-      SubpolygonFailed m;
-      m.frame = r.u32();
-      m.subpolygon = r.u32();
+      ItemFailed m;
+      m.item = ItemIndex(checked<int64_t>(r.u64()));
       m.problem = r.text();
       control = m;
       break;

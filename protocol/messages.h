@@ -7,11 +7,14 @@
 #include <variant>
 
 #include "protocol/byte_stream.h"
+#include "protocol/index.h"
 
 namespace rayfarm {
 
 enum class Command : uint8_t { load_code, load_data, load_display_polygon, return_result };
-inline constexpr size_t kCommands = 4;
+inline constexpr std::array kAllCommands{Command::load_code, Command::load_data,
+                                         Command::load_display_polygon, Command::return_result};
+inline constexpr size_t kCommands = kAllCommands.size();
 const char* name_of(Command command);
 
 /// Processors are numbered from 0; the largest id means all of them.
@@ -27,8 +30,7 @@ CommandWord decode_word(uint16_t bits);
 /// The command of a message on the command channel.
 Command command_of(std::span<const std::byte> message);
 
-// ---- load code, load data: word, count, address, payload
-// ------------------------------------------------------
+// Load code, load data: word, count, address, payload.
 
 /// Count and address are 32 bits each and count words of this many bytes.
 inline constexpr size_t kCodeWordBytes = 4;
@@ -46,8 +48,7 @@ struct LoadData {
 void encode_load_data(const LoadData& data, Bytes& out);
 LoadData decode_load_data(std::span<const std::byte> message);
 
-// ---- load display polygon: word, two corners
-// ------------------------------------------------------------------
+// Load display polygon: word, two corners.
 
 /// The upper left and lower right pixel of a subpolygon, both inside it: 0 to 65,535 each.
 struct DisplayPolygon {
@@ -58,8 +59,7 @@ inline constexpr size_t kDisplayPolygonBytes = 10;
 Bytes encode_display_polygon(uint16_t processor, const DisplayPolygon& polygon);
 DisplayPolygon decode_display_polygon(std::span<const std::byte> message);
 
-// ---- return result
-// --------------------------------------------------------------------------------------------
+// Return result.
 
 /// Rays are counted in so many kinds, whose meaning host and nodes know.
 inline constexpr size_t kRayCounters = 5;
@@ -67,8 +67,8 @@ inline constexpr size_t kRayCounters = 5;
 /// What it took to trace a subpolygon. It travels in a block's header; beside the pixel wire it is a control
 /// message.
 struct SubpolygonReport {
-  uint32_t frame = 0;
-  uint32_t subpolygon = 0;
+  FrameNumber frame;
+  SubpolygonId subpolygon;
   std::array<uint64_t, kRayCounters> rays{};
   uint64_t busy_us = 0;
   bool sees_anything = false;  ///< an eye ray met something
@@ -96,42 +96,51 @@ struct BlockResult {
 Bytes encode_block(uint16_t processor, const BlockResult& block);
 BlockResult decode_block(std::span<const std::byte> message);
 
-// ---- control
-// --------------------------------------------------------------------------------------------------
+// Control.
 
-struct Hello {  ///< both ways, first of all
+/// Both ways, first of all.
+struct Hello {
   std::string machine;
   uint32_t pid = 0;
   std::string build;
 };
-struct Alive {};      ///< both ways, by the heart
-struct SelectFrame {  ///< host → node: the frame of the display polygons that follow
-  uint32_t frame = 0;
+/// Both ways, by the heart.
+struct Alive {};
+/// Host → node: the step (of pictures: the frame) of the display polygons that follow.
+struct SelectStep {
+  StepIndex step;
 };
-struct OpenWindow {  ///< host → node, interleaved: frames before this index of the sequence may be traced
-  uint32_t end_index = 0;
+/// Host → node, interleaved: the node may do its own items of the steps before this one.
+struct OpenSteps {
+  StepIndex end;
 };
-struct SubpolygonDone {  ///< node → host, pixel wire: all pixels of a subpolygon have been sent
+/// Node → host, pixel wire: all pixels of a subpolygon have been sent.
+struct SubpolygonDone {
   SubpolygonReport report;
 };
-struct SubpolygonFailed {  ///< node → host
-  uint32_t frame = 0;
-  uint32_t subpolygon = 0;
+/// Node → host.
+struct ItemFailed {
+  ItemIndex item;
   std::string problem;
 };
-struct NodeFailed {  ///< node → host: it could not load
+/// Node → host: it could not load.
+struct NodeFailed {
   std::string problem;
 };
-struct EndProcess {  ///< host → node: end a hung process of this job on your machine
+/// Host → node: end a hung process of this job on your machine.
+struct EndProcess {
   uint32_t pid = 0;
 };
-struct Finish {             ///< host → node: the job is over
+/// Host → node: the job is over.
+struct Finish {
   bool has_losses = false;  ///< some node is lost: ending MPI would wait for it
 };
-struct AskPresent {};  ///< host → node, at the end: answer with Present
-struct Present {};     ///< node → host
-using Control = std::variant<Hello, Alive, SelectFrame, OpenWindow, SubpolygonDone, SubpolygonFailed,
-                             NodeFailed, EndProcess, Finish, AskPresent, Present>;
+/// Host → node, at the end: answer with Present.
+struct AskPresent {};
+/// Node → host.
+struct Present {};
+using Control = std::variant<Hello, Alive, SelectStep, OpenSteps, SubpolygonDone, ItemFailed, NodeFailed,
+                             EndProcess, Finish, AskPresent, Present>;
 Bytes encode_control(const Control& control);
 Control decode_control(std::span<const std::byte> message);
 

@@ -16,10 +16,12 @@
 #include <mutex>
 #include <vector>
 
-#include "protocol/liveness.h"
+#include "protocol/time_limits.h"
 
 namespace rayfarm {
 namespace {
+
+constexpr int kHostRank = kHost.value();
 
 // A chunk takes well under the time limit even on the thesis's 8 Mbit/s net (0.26 s per copy).
 constexpr size_t kChunkBytes = 256 << 10;
@@ -28,7 +30,8 @@ static_assert(kChunkBytes % kDataWordBytes == 0);
 /// How long MPI may take to start: longer where many processes share few cores.
 double start_limit_s() {
   const char* size = std::getenv("OMPI_COMM_WORLD_SIZE");
-  return liveness::kLoadingStep_s + 0.5 * std::max(0, (size ? std::atoi(size) : 0) - 8);
+  const int beyond = (size ? std::atoi(size) : 0) - liveness::kStartTogether;
+  return liveness::kLoadingStep_s + liveness::kStartOfProcess_s * std::max(0, beyond);
 }
 
 void check(int code, const char* what) {
@@ -54,19 +57,19 @@ class MpiTransport : public Transport {
     MPI_Comm_size(comm, &size);
     nodes_ = size - 1;
     receives_.resize(static_cast<size_t>(size));
-    if (rank == kHost) own_meter(nodes_);
+    if (rank == kHostRank) own_meter(nodes_);
   }
   int node_count() const override { return nodes_; }
   bool is_one_process() const override { return false; }
 
  protected:
-  void do_send(int to, Channel channel, Bytes bytes) override {
+  void do_send(NodeId to, Channel channel, Bytes bytes) override {
     const std::lock_guard lock(in_mpi_);
     drop_finished_sends();
     sends_.push_back({MPI_REQUEST_NULL, std::move(bytes)});
     Pending& s = sends_.back();
-    check(MPI_Isend(s.bytes.data(), to_int(s.bytes.size()), MPI_BYTE, to, static_cast<int>(channel), comm_,
-                    &s.request),
+    check(MPI_Isend(s.bytes.data(), to_int(s.bytes.size()), MPI_BYTE, to.value(), static_cast<int>(channel),
+                    comm_, &s.request),
           "sending");
   }
 
@@ -102,7 +105,7 @@ class MpiTransport : public Transport {
         continue;
       }
       if (!done) continue;
-      Message message{static_cast<int>(source), queue.front().channel,
+      Message message{NodeId(static_cast<int>(source)), queue.front().channel,
                       std::move(queue.front().pending.bytes)};
       queue.pop_front();
       next_ = source + 1;
@@ -195,7 +198,7 @@ struct MpiSession::State {
 
   void arm(const char* what) {
     watchdog.arm(
-        rank == kHost ? liveness::kLoadingStep_s : liveness::kLoadingStepOfNodes_s,
+        rank == kHostRank ? liveness::kLoadingStep_s : liveness::kLoadingStepOfNodes_s,
         fmt::format("a process was lost while loading ({}); the job ends. Start it again, without the "
                     "machine that failed",
                     what));
@@ -280,7 +283,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
     }
   } const calm{s.watchdog};
   uint64_t size = block.size();
-  s.collective("the scene's size", [&] { return MPI_Bcast(&size, 1, MPI_UINT64_T, kHost, s.comm); });
+  s.collective("the scene's size", [&] { return MPI_Bcast(&size, 1, MPI_UINT64_T, kHostRank, s.comm); });
 
   // One leader a machine takes part in the broadcast over the net; the host leads its own.
   MPI_Comm machine = MPI_COMM_NULL, leaders = MPI_COMM_NULL;
@@ -333,7 +336,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
           "/dev/shm has no room for the scene's {} MiB: the {} processes on this machine hold a copy each",
           size >> 20, machine_size));
     try {
-      if (s.rank != kHost) {  // which has the block that it sends
+      if (s.rank != kHostRank) {  // which has the block that it sends
         auto own = std::make_unique<PrivateBlock>(size);
         target = own->data();
         result = std::move(own);
@@ -352,14 +355,14 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
     Bytes message;
     for (uint64_t offset = 0; offset < size; offset += kChunkBytes) {
       const size_t length = std::min<uint64_t>(kChunkBytes, size - offset);
-      if (s.rank == kHost) {
+      if (s.rank == kHostRank) {
         encode_load_data({offset, block.subspan(offset, length)}, message);
-        if (meter) meter->count_command(0, Direction::to_node, Command::load_data, {1, message.size()});
+        if (meter) meter->count_command(kHost, Direction::to_node, Command::load_data, {1, message.size()});
       } else {
         message.resize(kLoadHeaderBytes + length);
       }
       s.collective("broadcasting the scene", [&] {
-        return MPI_Bcast(message.data(), to_int(message.size()), MPI_BYTE, kHost, leaders);
+        return MPI_Bcast(message.data(), to_int(message.size()), MPI_BYTE, kHostRank, leaders);
       });
       const LoadData data = decode_load_data(message);
       if (data.address > size || data.payload.size() > size - data.address)

@@ -63,19 +63,19 @@ SubpolygonGrid best_grid(int left, int top, int width, int height, int processor
 
 }  // namespace
 
-DisplayPolygon SubpolygonGrid::polygon(int subpolygon) const {
-  const int column = subpolygon % columns, row = subpolygon / columns;
+DisplayPolygon SubpolygonGrid::polygon(SubpolygonId subpolygon) const {
+  const int column = subpolygon.value() % columns, row = subpolygon.value() / columns;
   return {static_cast<uint16_t>(left + boundary(width, columns, column)),
           static_cast<uint16_t>(top + boundary(height, rows, row)),
           static_cast<uint16_t>(left + boundary(width, columns, column + 1) - 1),
           static_cast<uint16_t>(top + boundary(height, rows, row + 1) - 1)};
 }
 
-int SubpolygonGrid::find(const DisplayPolygon& p) const {
+std::optional<SubpolygonId> SubpolygonGrid::find(const DisplayPolygon& p) const {
   const int column = cell_at(width, columns, p.left - left), row = cell_at(height, rows, p.top - top);
-  if (column < 0 || row < 0) return -1;
-  const int subpolygon = row * columns + column;
-  return polygon(subpolygon) == p ? subpolygon : -1;
+  if (column < 0 || row < 0) return std::nullopt;
+  const SubpolygonId subpolygon(row * columns + column);
+  return polygon(subpolygon) == p ? std::optional(subpolygon) : std::nullopt;
 }
 
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors, int per_processor,
@@ -90,24 +90,25 @@ SubpolygonGrid make_grid(int left, int top, int width, int height, int processor
   }
 }
 
-int interleaved_owner(const SubpolygonGrid& grid, int processors, int frame_index, int subpolygon) {
+int interleaved_owner(const SubpolygonGrid& grid, int processors, FrameIndex frame, SubpolygonId subpolygon) {
   // Counting row by row gives every processor as many; so do the rows in any other order, as long as whole
   // periods, after which their beginnings repeat, stay together. In this one each row begins about a golden
   // part of the processors further on than the one above, so that the subpolygons of a processor make a
   // lattice without short steps: a hard patch of any shape falls to all alike.
-  const int64_t row = subpolygon / grid.columns, column = subpolygon % grid.columns;
+  const int64_t row = subpolygon.value() / grid.columns, column = subpolygon.value() % grid.columns;
   const int common = std::gcd(grid.columns, processors), period = processors / common;
   const bool is_whole_period = row / period < grid.rows / period;
   const int64_t step = is_whole_period ? golden_step(period) : grid.columns / common % period;
   const int64_t begin = common * (row % period * step % period);
   const int64_t shift = row / period * std::max(1, golden_part(common));
-  return static_cast<int>((column + begin + shift + frame_index) % processors);
+  return static_cast<int>((column + begin + shift + frame.value()) % processors);
 }
 
-std::vector<int> interleaved_set(const SubpolygonGrid& grid, int processors, int frame_index, int processor) {
-  std::vector<int> set;
-  for (int s = 0; s < grid.count(); ++s)
-    if (interleaved_owner(grid, processors, frame_index, s) == processor) set.push_back(s);
+std::vector<SubpolygonId> interleaved_set(const SubpolygonGrid& grid, int processors, FrameIndex frame,
+                                          int processor) {
+  std::vector<SubpolygonId> set;
+  for (SubpolygonId s; s.value() < grid.count(); ++s)
+    if (interleaved_owner(grid, processors, frame, s) == processor) set.push_back(s);
   return set;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 // How the display polygon is cut into subpolygons (about 64 per processor; thesis 4.4.4.2), and which of them
 // a processor traces by itself when work is interleaved. Host and nodes compute both from the same numbers.
+#include <optional>
 #include <vector>
 
+#include "protocol/index.h"
 #include "protocol/messages.h"
 
 namespace rayfarm {
@@ -13,9 +15,9 @@ struct SubpolygonGrid {
   int columns = 1, rows = 1;
 
   int count() const { return columns * rows; }
-  DisplayPolygon polygon(int subpolygon) const;
-  /// The number of the subpolygon with these corners, or -1.
-  int find(const DisplayPolygon& polygon) const;
+  DisplayPolygon polygon(SubpolygonId subpolygon) const;
+  /// The subpolygon with these corners, or nothing.
+  std::optional<SubpolygonId> find(const DisplayPolygon& polygon) const;
 };
 
 /// The thesis's number of subpolygons for each processor.
@@ -34,11 +36,12 @@ SubpolygonGrid make_grid(int left, int top, int width, int height, int processor
                          int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastSide_px,
                          size_t most_pixels = kMostSubpolygonBytes / kPixelBytes);
 
-/// The processor (0 to processors - 1) that traces a subpolygon of the sequence's frame `frame_index`: evenly
-/// spread over the image, and the next processor's set in the next frame.
-int interleaved_owner(const SubpolygonGrid& grid, int processors, int frame_index, int subpolygon);
+/// The processor (0 to processors - 1) that traces a subpolygon of a frame: evenly spread over the image, and
+/// the next processor's set in the next frame.
+int interleaved_owner(const SubpolygonGrid& grid, int processors, FrameIndex frame, SubpolygonId subpolygon);
 
 /// The subpolygons of one processor in one frame, in order.
-std::vector<int> interleaved_set(const SubpolygonGrid& grid, int processors, int frame_index, int processor);
+std::vector<SubpolygonId> interleaved_set(const SubpolygonGrid& grid, int processors, FrameIndex frame,
+                                          int processor);
 
 }  // namespace rayfarm

@@ -26,14 +26,13 @@ class TrafficMeter {
   explicit TrafficMeter(int nodes) : command_(static_cast<size_t>(nodes) + 1), control_(command_.size()) {}
 
   /// `node` counts from 1; 0 stands for a broadcast, which the net carries once (thesis: to all in parallel).
-  void count_command(int node, Direction direction, Command command, const Traffic& traffic) {
+  void count_command(NodeId node, Direction direction, Command command, const Traffic& traffic) {
     const std::lock_guard lock(mutex_);
-    command_[static_cast<size_t>(node)][static_cast<size_t>(direction)][static_cast<size_t>(command)] +=
-        traffic;
+    command_[node.place()][static_cast<size_t>(direction)][static_cast<size_t>(command)] += traffic;
   }
-  void count_control(int node, Direction direction, const Traffic& traffic) {
+  void count_control(NodeId node, Direction direction, const Traffic& traffic) {
     const std::lock_guard lock(mutex_);
-    control_[static_cast<size_t>(node)][static_cast<size_t>(direction)] += traffic;
+    control_[node.place()][static_cast<size_t>(direction)] += traffic;
   }
 
   /// All of a command, both directions and every node.
@@ -52,10 +51,10 @@ class TrafficMeter {
     return sum;
   }
   /// All that one node sent or was sent alone.
-  Traffic of_node(int node, Direction direction) const {
+  Traffic of_node(NodeId node, Direction direction) const {
     const std::lock_guard lock(mutex_);
-    Traffic sum = control_[static_cast<size_t>(node)][static_cast<size_t>(direction)];
-    for (const Traffic& t : command_[static_cast<size_t>(node)][static_cast<size_t>(direction)]) sum += t;
+    Traffic sum = control_[node.place()][static_cast<size_t>(direction)];
+    for (const Traffic& t : command_[node.place()][static_cast<size_t>(direction)]) sum += t;
     return sum;
   }
 

@@ -4,9 +4,11 @@
 #include <chrono>
 #include <thread>
 
+#include "protocol/time_limits.h"
+
 namespace rayfarm {
 
-void Transport::count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes) {
+void Transport::count(NodeId node, Direction direction, Channel channel, std::span<const std::byte> bytes) {
   if (!meter_) return;
   if (channel == Channel::control || bytes.size() < 2) {
     meter_->count_control(node, direction, {1, bytes.size()});
@@ -17,14 +19,14 @@ void Transport::count(int node, Direction direction, Channel channel, std::span<
   meter_->count_command(node, direction, command, {messages, bytes.size()});
 }
 
-void Transport::send(int to, Channel channel, Bytes bytes) {
+void Transport::send(NodeId to, Channel channel, Bytes bytes) {
   count(to, Direction::to_node, channel, bytes);
   do_send(to, channel, std::move(bytes));
 }
 
 void Transport::broadcast(Channel channel, const Bytes& bytes) {
-  count(0, Direction::to_node, channel, bytes);
-  for (int node = 1; node <= node_count(); ++node) do_send(node, channel, bytes);
+  count(kHost, Direction::to_node, channel, bytes);
+  for (NodeId node(1); node.value() <= node_count(); ++node) do_send(node, channel, bytes);
 }
 
 std::optional<Message> Transport::try_receive() {
@@ -35,10 +37,11 @@ std::optional<Message> Transport::try_receive() {
 }
 
 void Backoff::wait() {
-  // 20 µs at first, doubling every four waits up to 4 ms: a poll costs a few µs, so an idle process stays far
-  // below 1 % of a core, and an answer to a fresh event comes fast.
+  // 20 µs at first, doubling every four waits up to the longest nap: a poll costs a few µs, so an idle
+  // process stays far below 1 % of a core, and an answer to a fresh event comes fast.
   const int doublings = std::min(idle_++ / 4, 8);
-  std::this_thread::sleep_for(std::chrono::microseconds(std::min(20 << doublings, 4000)));
+  std::this_thread::sleep_for(
+      std::chrono::duration<double>(std::min(20e-6 * (1 << doublings), liveness::kLongestNap_s)));
 }
 
 }  // namespace rayfarm

@@ -15,10 +15,10 @@ namespace rayfarm {
 /// Whatever its channel, a transfer never overtakes an earlier one between the same two ends.
 enum class Channel : uint8_t { command, pixels, control };
 
-inline constexpr int kHost = 0;  ///< nodes are numbered from 1, as ranks are
+inline constexpr NodeId kHost{0};
 
 struct Message {
-  int source = kHost;
+  NodeId source = kHost;
   Channel channel = Channel::control;
   Bytes bytes;
 };
@@ -31,8 +31,8 @@ class Transport {
   virtual bool is_one_process() const = 0;
 
   /// Sends to one end and counts it.
-  void send(int to, Channel channel, Bytes bytes);
-  void send(int to, const Control& control) { send(to, Channel::control, encode_control(control)); }
+  void send(NodeId to, Channel channel, Bytes bytes);
+  void send(NodeId to, const Control& control) { send(to, Channel::control, encode_control(control)); }
   /// The host sends to every node; counted once.
   void broadcast(Channel channel, const Bytes& bytes);
   /// The next message, if one has come. Malformed commands are counted as one message.
@@ -48,11 +48,11 @@ class Transport {
 
  protected:
   void own_meter(int nodes) { meter_ = std::make_unique<TrafficMeter>(nodes); }
-  virtual void do_send(int to, Channel channel, Bytes bytes) = 0;
+  virtual void do_send(NodeId to, Channel channel, Bytes bytes) = 0;
   virtual std::optional<Message> do_try_receive() = 0;
 
  private:
-  void count(int node, Direction direction, Channel channel, std::span<const std::byte> bytes);
+  void count(NodeId node, Direction direction, Channel channel, std::span<const std::byte> bytes);
   std::unique_ptr<TrafficMeter> meter_;
   std::atomic<double> last_turn_s_ = now_s();
 };

@@ -12,6 +12,7 @@
 #include <fstream>
 
 #include "protocol/liveness.h"
+#include "protocol/time_limits.h"
 
 namespace rayfarm {
 namespace {

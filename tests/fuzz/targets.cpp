@@ -76,12 +76,12 @@ Bytes zeros(size_t n) {
 }
 
 std::vector<std::string> message_seeds() {
-  SubpolygonReport report{3, 7, {1, 2, 3, 4, 5}, 1000, true, 2};
+  SubpolygonReport report{FrameNumber(3), SubpolygonId(7), {1, 2, 3, 4, 5}, 1000, true, 2};
   std::vector<std::string> seeds;
-  for (const Control& c :
-       {Control(Hello{"machine", 7, "build"}), Control(Alive{}), Control(SelectFrame{3}),
-        Control(OpenWindow{4}), Control(SubpolygonDone{report}), Control(SubpolygonFailed{1, 2, "no"}),
-        Control(NodeFailed{"no"}), Control(EndProcess{9}), Control(Finish{true})})
+  for (const Control& c : {Control(Hello{"machine", 7, "build"}), Control(Alive{}),
+                           Control(SelectStep{StepIndex(3)}), Control(OpenSteps{StepIndex(4)}),
+                           Control(SubpolygonDone{report}), Control(ItemFailed{ItemIndex(2), "no"}),
+                           Control(NodeFailed{"no"}), Control(EndProcess{9}), Control(Finish{true})})
     seeds.push_back(text_of(encode_control(c)));
   seeds.push_back(text_of(encode_display_polygon(3, {0, 0, 7, 7})));
   const Bytes pixels = compress_rgb8(zeros(3 * 8 * 8), 8, 8);
@@ -180,8 +180,7 @@ std::vector<std::string> block_seeds() {
 JobPlan make_plan() {
   JobPlan plan;
   plan.build = "build";
-  plan.frames = {1, 2, 3};
-  plan.grid = make_grid(0, 0, 64, 48, 2);
+  plan.phases = {PicturesPhase{{FrameNumber(1), FrameNumber(2), FrameNumber(3)}, make_grid(0, 0, 64, 48, 2)}};
   plan.time_factors = {1, 2};
   plan.settings = zeros(20);
   return plan;
@@ -261,7 +260,8 @@ std::vector<Target> make_targets(const std::string& path) {
       {"plan",
        [](const std::string& bytes) {
          const JobPlan plan = decode_plan(bytes_of(bytes));
-         for (const int s : {0, plan.grid.count() - 1}) plan.grid.find(plan.grid.polygon(s));
+         const SubpolygonGrid& grid = pictures_of(plan).grid;
+         for (const int s : {0, grid.count() - 1}) grid.find(grid.polygon(SubpolygonId(s)));
        },
        {text_of(encode_plan(make_plan()))},
        {}},

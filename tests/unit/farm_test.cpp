@@ -1,9 +1,9 @@
-// Host and nodes as threads, with tracers that misbehave.
+// Host and nodes as threads, with workers that misbehave.
 #include <thread>
 
 #include "common/scene/settings_codec.h"
-#include "host/farm_host.h"
-#include "host/output_pattern.h"
+#include "host/farm/farm_host.h"
+#include "host/render/output_pattern.h"
 #include "node/node.h"
 #include "protocol/build_identity.h"
 #include "protocol/local_transport.h"
@@ -13,22 +13,25 @@ namespace rayfarm {
 namespace {
 
 /// Paints every pixel with its coordinates; throws where told to.
-class PaintingTracer : public SubpolygonTracer {
+class Painter : public PhaseWorker {
  public:
-  explicit PaintingTracer(std::function<bool(int frame, const DisplayPolygon&)> fails)
-      : fails_(std::move(fails)) {}
-  Traced trace(int frame, const DisplayPolygon& p, const std::function<void()>& pulse) override {
+  Painter(const Phase& phase, std::function<bool(int frame, const DisplayPolygon&)> fails)
+      : phase_(std::get<PicturesPhase>(phase)), fails_(std::move(fails)) {}
+  ItemResult work(ItemIndex item, const std::function<void()>& pulse) override {
+    const int frame = phase_.number_of(item).value();
+    const DisplayPolygon p = phase_.polygon_of(item);
     if (fails_(frame, p)) throw std::runtime_error("the tracer's own error");
-    Traced traced;
+    ItemResult painted;
     for (int y = p.top; y <= p.bottom; ++y)
       for (int x = p.left; x <= p.right; ++x)
-        for (const int v : {x, y, frame}) traced.pixels.push_back(static_cast<std::byte>(v));
-    traced.rays[RayKind::primary] = traced.pixels.size() / 3;
+        for (const int v : {x, y, frame}) painted.bytes.push_back(static_cast<std::byte>(v));
+    painted.rays[RayKind::primary] = painted.bytes.size() / 3;
     pulse();
-    return traced;
+    return painted;
   }
 
  private:
+  const PicturesPhase& phase_;
   std::function<bool(int, const DisplayPolygon&)> fails_;
 };
 
@@ -38,14 +41,14 @@ struct FarmRun {
   std::filesystem::path folder;
 };
 
-using RunNode = std::function<void(Transport& transport, int node)>;
+using RunNode = std::function<void(Transport& transport, NodeId node)>;
 
 RunNode painting_nodes(std::function<bool(int, const DisplayPolygon&)> fails) {
-  return [fails](Transport& transport, int node) {
+  return [fails](Transport& transport, NodeId node) {
     run_node(
         transport, node, [](const ProcessSign&) { return std::span<const std::byte>(); },
-        [&fails](const JobPlan&, std::span<const std::byte>) {
-          return std::make_unique<PaintingTracer>(fails);
+        [&fails](const JobPlan&, const Phase& phase, std::span<const std::byte>) {
+          return std::make_unique<Painter>(phase, fails);
         });
   };
 }
@@ -55,10 +58,10 @@ bool never(int, const DisplayPolygon&) {
 }
 
 /// A node that can't load.
-void run_failing_node(Transport& transport, int node) {
+void run_failing_node(Transport& transport, NodeId node) {
   run_node(
       transport, node, [](const ProcessSign&) { return std::span<const std::byte>(); },
-      [](const JobPlan&, std::span<const std::byte>) -> std::unique_ptr<SubpolygonTracer> {
+      [](const JobPlan&, const Phase&, std::span<const std::byte>) -> std::unique_ptr<PhaseWorker> {
         throw std::runtime_error("no room");
       });
 }
@@ -70,14 +73,16 @@ FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wi
   const auto ends = make_local_transports(nodes);
   std::vector<std::thread> threads;
   for (int i = 1; i <= nodes; ++i)
-    threads.emplace_back([&ends, &run_one_node, i] { run_one_node(*ends[static_cast<size_t>(i)], i); });
+    threads.emplace_back(
+        [&ends, &run_one_node, i] { run_one_node(*ends[static_cast<size_t>(i)], NodeId(i)); });
   FarmHostOptions options;
   options.plan.build = build_identity();
-  options.plan.frames = frames;
+  PicturesPhase pictures{{}, make_grid(0, 0, 40, 30, nodes)};
+  for (const int frame : frames) pictures.frames.emplace_back(frame);
+  options.plan.phases = {pictures};
   options.plan.policy = policy;
   options.plan.wire = wire;
   options.plan.processors = nodes;
-  options.plan.grid = make_grid(0, 0, 40, 30, nodes);
   options.plan.settings = settings;
   options.image = {40, 30, {0, 0, 40, 30}, PixelFormat::rgb8, {}};
   options.progress = ProgressStyle::none;
@@ -85,7 +90,7 @@ FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wi
     options.files.push_back((run.folder / fmt::format("f{}.png", frame)).string());
   for (int i = 1; i <= nodes; ++i) {
     run.result.nodes.push_back({});
-    run.result.nodes.back().id = i;
+    run.result.nodes.back().id = NodeId(i);
   }
   ends[0]->broadcast(Channel::command, encode_load_code(encode_plan(options.plan)));
   {
@@ -124,9 +129,9 @@ TEST(Farm, NodesOfOneProcessRenderAScene) {
     settings.pixel_format = PixelFormat::rgb8;
     const FarmRun run = run_farm(
         nodes, {1, 2, 3}, AssignmentPolicy::on_demand, Wire::block,
-        [&](Transport& transport, int node) {
+        [&](Transport& transport, NodeId node) {
           run_node(
-              transport, node, [&](const ProcessSign&) { return compiled.block.bytes(); }, make_scene_tracer);
+              transport, node, [&](const ProcessSign&) { return compiled.block.bytes(); }, make_scene_worker);
         },
         encode_settings(settings));
     EXPECT_EQ(run.result.frames_failed(), 0u);
@@ -165,12 +170,12 @@ TEST(Farm, ThreeErrorsFailTheFrameWithTheMessageAndNotTheNext) {
 
 TEST(Farm, ANodeThatCanNotLoadIsExpelledAndTheOthersDoTheWork) {
   for (const auto policy : {AssignmentPolicy::on_demand, AssignmentPolicy::interleaved}) {
-    const FarmRun run = run_farm(3, {1, 2}, policy, Wire::block, [](Transport& transport, int node) {
-      node == 2 ? run_failing_node(transport, node) : painting_nodes(never)(transport, node);
+    const FarmRun run = run_farm(3, {1, 2}, policy, Wire::block, [](Transport& transport, NodeId node) {
+      node == NodeId(2) ? run_failing_node(transport, node) : painting_nodes(never)(transport, node);
     });
     EXPECT_EQ(run.result.frames_failed(), 0u);
     EXPECT_TRUE(run.result.frames[1].is_written);
-    EXPECT_EQ(run.result.lost_nodes(), std::vector<int>{2});
+    EXPECT_EQ(run.result.lost_nodes(), std::vector<NodeId>{NodeId(2)});
     EXPECT_NE(run.result.nodes[1].problem.find("no room"), std::string::npos);
     ASSERT_EQ(run.told.size(), 1u);
     EXPECT_NE(run.told[0].find("could not load the scene: no room"), std::string::npos) << run.told[0];
@@ -189,8 +194,8 @@ TEST(Farm, ALivingNodeThatSendsNonsenseIsExpelled) {
   // more.
   for (const Channel channel : {Channel::command, Channel::pixels, Channel::control}) {
     const FarmRun run =
-        run_farm(3, {1, 2}, AssignmentPolicy::on_demand, Wire::block, [&](Transport& transport, int node) {
-          if (node != 1) {
+        run_farm(3, {1, 2}, AssignmentPolicy::on_demand, Wire::block, [&](Transport& transport, NodeId node) {
+          if (node != NodeId(1)) {
             painting_nodes(never)(transport, node);
             return;
           }
@@ -205,7 +210,7 @@ TEST(Farm, ALivingNodeThatSendsNonsenseIsExpelled) {
         });
     EXPECT_EQ(run.result.frames_failed(), 0u);
     EXPECT_TRUE(run.result.frames[0].is_written && run.result.frames[1].is_written);
-    EXPECT_EQ(run.result.lost_nodes(), std::vector<int>{1});
+    EXPECT_EQ(run.result.lost_nodes(), std::vector<NodeId>{NodeId(1)});
     EXPECT_EQ(run.result.nodes[0].subpolygons, 0u);
     ASSERT_FALSE(run.told.empty());
     EXPECT_NE(run.told[0].find("can't be understood"), std::string::npos) << run.told[0];
@@ -220,7 +225,7 @@ TEST(FrameWriter, WritesAllThatIsQueuedBeforeItEnds) {
   for (int i = 0; i < 20; ++i) {
     files.push_back(folder / fmt::format("queued{}.png", i));
     std::filesystem::remove(files.back());
-    writer.submit({i, files.back().string(), image, {}});
+    writer.submit({FrameIndex(i), files.back().string(), image, {}});
   }
   writer.finish();
   int taken = 0;
@@ -234,13 +239,18 @@ TEST(FrameWriter, WritesAllThatIsQueuedBeforeItEnds) {
 }
 
 TEST(Frames, AreParsedAndNamed) {
-  EXPECT_EQ(parse_frames("1-10x3"), (std::vector<int>{1, 4, 7, 10}));
-  EXPECT_EQ(parse_frames("5,1-3"), (std::vector<int>{5, 1, 2, 3}));
+  const auto numbers = [](const std::string& text) {
+    std::vector<int> frames;
+    for (const FrameNumber frame : parse_frames(text)) frames.push_back(frame.value());
+    return frames;
+  };
+  EXPECT_EQ(numbers("1-10x3"), (std::vector<int>{1, 4, 7, 10}));
+  EXPECT_EQ(numbers("5,1-3"), (std::vector<int>{5, 1, 2, 3}));
   for (const char* wrong : {"", "a", "1-", "3-1", "1-3x0", "1,,2", "1,1", "99999999", "1-9999999"})
     EXPECT_THROW(parse_frames(wrong), std::invalid_argument) << wrong;
-  EXPECT_EQ(file_of_frame("a/shot.####.exr", 7), "a/shot.0007.exr");
-  EXPECT_EQ(file_of_frame("shot.##.exr", 123), "shot.123.exr");
-  EXPECT_EQ(file_of_frame("shot.exr", 7), "shot.exr");
+  EXPECT_EQ(file_of_frame("a/shot.####.exr", FrameNumber(7)), "a/shot.0007.exr");
+  EXPECT_EQ(file_of_frame("shot.##.exr", FrameNumber(123)), "shot.123.exr");
+  EXPECT_EQ(file_of_frame("shot.exr", FrameNumber(7)), "shot.exr");
 }
 
 }  // namespace

@@ -102,10 +102,10 @@ TEST(Heart, FallsSilentWhenTheProcessHangs) {
       ends[2]->try_receive();
     }
   }
-  std::map<int, int> beats;
+  std::map<NodeId, int> beats;
   while (const auto message = ends[0]->try_receive()) ++beats[message->source];
-  EXPECT_EQ(beats[1], 1);
-  EXPECT_EQ(beats[2], 3);
+  EXPECT_EQ(beats[NodeId(1)], 1);
+  EXPECT_EQ(beats[NodeId(2)], 3);
 }
 
 }  // namespace

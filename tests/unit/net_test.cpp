@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "host/net/cost_map.h"
-#include "host/net/model.h"
+#include "host/instrument/cost_map.h"
+#include "host/instrument/model.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {

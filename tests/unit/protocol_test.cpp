@@ -30,10 +30,13 @@ TEST(Messages, SizesAreTheThesiss) {
 TEST(Messages, ThereAndBack) {
   const DisplayPolygon polygon{1, 2, 300, 65535};
   EXPECT_EQ(decode_display_polygon(encode_display_polygon(7, polygon)), polygon);
-  const SubpolygonReport report{12, 34, {1, 200, 30000, 4000000, 1ull << 60}, 123456};
+  const SubpolygonReport report{
+      FrameNumber(12), SubpolygonId(34), {1, 200, 30000, 4000000, 1ull << 60}, 123456};
   const Bytes pixels{std::byte{1}, std::byte{2}, std::byte{3}};
   const Bytes bytes = encode_block(9, {report, true, pixels});
   const BlockResult back = decode_block(bytes);
+  EXPECT_EQ(back.report.frame, report.frame);
+  EXPECT_EQ(back.report.subpolygon, report.subpolygon);
   EXPECT_EQ(back.report.rays, report.rays);
   EXPECT_EQ(back.report.busy_us, 123456u);
   EXPECT_TRUE(back.is_compressed);
@@ -41,8 +44,9 @@ TEST(Messages, ThereAndBack) {
   const Control hello = decode_control(encode_control(Hello{"machine", 42, "build"}));
   EXPECT_EQ(std::get<Hello>(hello).machine, "machine");
   EXPECT_EQ(std::get<Hello>(hello).pid, 42u);
-  EXPECT_EQ(std::get<SubpolygonFailed>(decode_control(encode_control(SubpolygonFailed{1, 2, "why"}))).problem,
-            "why");
+  const Control failed = decode_control(encode_control(ItemFailed{ItemIndex(1ll << 40), "why"}));
+  EXPECT_EQ(std::get<ItemFailed>(failed).item, ItemIndex(1ll << 40));
+  EXPECT_EQ(std::get<ItemFailed>(failed).problem, "why");
   Bytes data;
   const Bytes payload(128, std::byte{7});
   encode_load_data({640, payload}, data);
@@ -51,21 +55,21 @@ TEST(Messages, ThereAndBack) {
   EXPECT_THROW(encode_load_data({1, payload}, data), ProtocolError);
   JobPlan plan;
   plan.build = "b";
-  plan.frames = {3, 1, 2};
+  plan.phases = {
+      PicturesPhase{{FrameNumber(3), FrameNumber(1), FrameNumber(2)}, make_grid(0, 0, 640, 480, 3)}};
   plan.wire = Wire::pixel;
-  plan.grid = make_grid(0, 0, 640, 480, 3);
   plan.processors = 3;
   plan.rotates = false;
   plan.ray_time_s = 0.00025;
   plan.time_factors = {1, 0.5, 2};
   plan.settings = payload;
   const JobPlan plan_back = decode_plan(decode_load_code(encode_load_code(encode_plan(plan))));
-  EXPECT_EQ(plan_back.frames, plan.frames);
+  EXPECT_EQ(pictures_of(plan_back).frames, pictures_of(plan).frames);
   EXPECT_FALSE(plan_back.rotates);
   EXPECT_NEAR(plan_back.ray_time_s, 0.00025, 1e-12);
   EXPECT_EQ(plan_back.time_factors, plan.time_factors);
   EXPECT_EQ(plan_back.wire, Wire::pixel);
-  EXPECT_EQ(plan_back.grid.columns, plan.grid.columns);
+  EXPECT_EQ(pictures_of(plan_back).grid.columns, pictures_of(plan).grid.columns);
   EXPECT_EQ(plan_back.settings, payload);
 }
 
@@ -115,7 +119,7 @@ TEST(Grid, CoversEveryPixelOnce) {
         std::tuple{8, 8, 1}}) {
     const SubpolygonGrid grid = make_grid(10, 20, width, height, processors);
     std::vector<int> covered(static_cast<size_t>(width * height));
-    for (int s = 0; s < grid.count(); ++s) {
+    for (SubpolygonId s; s.value() < grid.count(); ++s) {
       const DisplayPolygon p = grid.polygon(s);
       EXPECT_EQ(grid.find(p), s);
       for (int y = p.top; y <= p.bottom; ++y)
@@ -125,12 +129,12 @@ TEST(Grid, CoversEveryPixelOnce) {
       }
     }
     EXPECT_EQ(std::count(covered.begin(), covered.end(), 1), width * height);
-    EXPECT_EQ(grid.find({11, 20, 12, 21}), -1);
+    EXPECT_EQ(grid.find({11, 20, 12, 21}), std::nullopt);
   }
   const SubpolygonGrid large = make_grid(0, 0, 4096, 4096, 16);
   EXPECT_NEAR(large.count(), 64 * 16, 64 * 2);
   const SubpolygonGrid largest = make_grid(0, 0, 65536, 65536, 1);
-  EXPECT_EQ(largest.polygon(largest.count() - 1).right, 65535);
+  EXPECT_EQ(largest.polygon(SubpolygonId(largest.count() - 1)).right, 65535);
 }
 
 TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {
@@ -141,7 +145,7 @@ TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {
       const size_t most = kMostSubpolygonBytes / pixel_bytes;
       const SubpolygonGrid grid = make_grid(0, 0, width, height, 1, per_processor, kLeastSide_px, most);
       for (int s = 0; s < grid.count(); s += 7) {
-        const DisplayPolygon p = grid.polygon(s);
+        const DisplayPolygon p = grid.polygon(SubpolygonId(s));
         EXPECT_LE(size_t(p.right - p.left + 1) * size_t(p.bottom - p.top + 1), most);
       }
     }
@@ -152,17 +156,17 @@ TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {
 TEST(Interleaved, EvenSpreadAndRotating) {
   for (const int processors : {1, 2, 3, 8, 13}) {
     const SubpolygonGrid grid = make_grid(0, 0, 1024, 1024, processors);
-    for (int frame = 0; frame < 3; ++frame) {
+    for (FrameIndex frame; frame.value() < 3; ++frame) {
       std::vector<int> owners(static_cast<size_t>(grid.count()), -1);
       for (int p = 0; p < processors; ++p)
-        for (const int s : interleaved_set(grid, processors, frame, p)) owners[static_cast<size_t>(s)] = p;
+        for (const SubpolygonId s : interleaved_set(grid, processors, frame, p)) owners[s.place()] = p;
       EXPECT_EQ(std::count(owners.begin(), owners.end(), -1), 0);
       for (int p = 0; p < processors; ++p)
         EXPECT_NEAR(static_cast<double>(std::count(owners.begin(), owners.end(), p)),
                     double(grid.count()) / processors, 2);
-      for (int s = 0; s < grid.count(); ++s)
-        EXPECT_EQ(interleaved_owner(grid, processors, frame + 1, s),
-                  (owners[static_cast<size_t>(s)] + 1) % processors);
+      for (SubpolygonId s; s.value() < grid.count(); ++s)
+        EXPECT_EQ(interleaved_owner(grid, processors, FrameIndex(frame.value() + 1), s),
+                  (owners[s.place()] + 1) % processors);
       if (processors > 2)  // no column belongs to one processor
         for (int column = 0; column < grid.columns; ++column) {
           bool differs = false;
@@ -177,23 +181,23 @@ TEST(Interleaved, EvenSpreadAndRotating) {
 
 TEST(LocalTransport, OrderAndMeter) {
   const auto ends = make_local_transports(2);
-  ends[0]->send(1, SelectFrame{5});
-  ends[0]->send(1, Channel::command, encode_display_polygon(0, {0, 0, 7, 7}));
+  ends[0]->send(NodeId(1), SelectStep{StepIndex(5)});
+  ends[0]->send(NodeId(1), Channel::command, encode_display_polygon(0, {0, 0, 7, 7}));
   ends[0]->broadcast(Channel::command, encode_load_code(Bytes(4)));
-  EXPECT_EQ(std::get<SelectFrame>(decode_control(ends[1]->try_receive()->bytes)).frame, 5u);
+  EXPECT_EQ(std::get<SelectStep>(decode_control(ends[1]->try_receive()->bytes)).step, StepIndex(5));
   EXPECT_EQ(command_of(ends[1]->try_receive()->bytes), Command::load_display_polygon);
   EXPECT_EQ(command_of(ends[2]->try_receive()->bytes), Command::load_code);
   EXPECT_FALSE(ends[2]->try_receive());
   ByteWriter pixels;
   for (uint16_t x = 0; x < 10; ++x) append_pixel(1, {x, 0, {}}, pixels);
   ends[2]->send(kHost, Channel::pixels, pixels.take());
-  EXPECT_EQ(ends[0]->try_receive()->source, 2);
+  EXPECT_EQ(ends[0]->try_receive()->source, NodeId(2));
   const TrafficMeter& meter = *ends[0]->meter();
   EXPECT_EQ(meter.total(Command::load_code).messages, 1u) << "a broadcast is one message on the net";
   EXPECT_EQ(meter.total(Command::load_display_polygon).bytes, 10u);
   EXPECT_EQ(meter.total(Command::return_result).messages, 10u);
   EXPECT_EQ(meter.total(Command::return_result).bytes, 90u);
-  EXPECT_EQ(meter.of_node(2, Direction::to_host).bytes, 90u);
+  EXPECT_EQ(meter.of_node(NodeId(2), Direction::to_host).bytes, 90u);
 }
 
 TEST(BuildIdentity, IsThere) {

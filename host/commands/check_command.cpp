@@ -1,0 +1,51 @@
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "host/commands/commands.h"
+#include "host/commands/compile_and_look.h"
+#include "host/process/console.h"
+#include "host/process/exit_code.h"
+
+namespace rayfarm {
+namespace {
+
+/// Files that would be missed where the scene's folder alone is copied to.
+void list_files_outside(const SceneDescription& scene) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(scene.files.at(0))).parent_path();
+  bool is_first = true;
+  for (const std::string& file : scene.files) {
+    const fs::path there = fs::weakly_canonical(fs::absolute(file)).lexically_relative(folder);
+    if (there.empty() || *there.begin() != "..") continue;
+    if (std::exchange(is_first, false)) say("outside of the scene's folder:\n");
+    say("  {}\n", file);
+  }
+}
+
+int check(const std::string& path) {
+  const SceneDescription scene = load_scene(path);
+  const CompiledScene compiled = compile_and_look(scene);
+  for (const std::string& file : scene.files) fmt::print("{}\n", file);
+  list_files_outside(scene);
+  const size_t warnings = compiled.notes.lines().size();
+  if (warnings == 0)
+    say("{}: no problems found\n", path);
+  else
+    say("{}: {} warning{}\n", path, warnings, warnings == 1 ? "" : "s");
+  return kComplete;
+}
+
+}  // namespace
+
+void add_check_command(CommandLine& line) {
+  const auto path = std::make_shared<std::string>();
+  Verb verb;
+  verb.name = "check";
+  verb.help = "validate a scene and list every file it uses";
+  verb.run = [path](const Renders&) { return check(*path); };
+  line.add(std::move(verb)).text("SCENE", *path, ".yaml or .nff").required();
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,190 @@
+#include "host/commands/command_line.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <sstream>
+
+#include "common/errors/input_error.h"
+#include "host/process/exit_code.h"
+
+namespace rayfarm {
+namespace {
+
+/// The words of a list such as `{a,b}`.
+std::string choices_in(const std::string& list) {
+  std::string words = list.substr(1, list.find('}') - 1);
+  std::replace(words.begin(), words.end(), ',', '|');
+  return words;
+}
+
+std::string plain_type(const std::string& type) {
+  if (const size_t brace = type.find('{'); brace != std::string::npos) return choices_in(type.substr(brace));
+  if (const size_t range = type.find(" in ["); range != std::string::npos) {
+    std::string limits = type.substr(range + 5);
+    limits.resize(std::min(limits.find(']'), limits.size()));
+    if (const size_t dash = limits.find(" - "); dash != std::string::npos) limits.replace(dash, 3, " to ");
+    return "N from " + limits;
+  }
+  if (type == "UINT" || type == "INT" || type == "FLOAT") return "N";
+  return type;
+}
+
+std::vector<std::string> names_of(const CLI::Option& option) {
+  std::vector<std::string> names;
+  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// Shows what an option takes (`N from 1 to 256`, `sah|thesis`, `FILE`), and none of the parser's insides.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+    if (is_positional) return option->get_name(true, false);
+    return fmt::format("{}", fmt::join(names_of(*option), ", "));
+  }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (option->get_type_size() == 0 || option->get_positional()) return "";
+    return " " + plain_type(option->get_type_name());
+  }
+};
+
+}  // namespace
+
+const Option& Option::required() const {
+  option_->required();
+  return *this;
+}
+
+const Option& Option::read_first() const {
+  option_->trigger_on_parse();
+  return *this;
+}
+
+Option Options::add(CLI::Option* option) {
+  if (!option->get_positional()) option->group(group_);
+  return Option(option);
+}
+
+Option Options::text(const std::string& names, std::string& target, const std::string& help,
+                     const std::string& type) {
+  return add(command_->add_option(names, target, help)->type_name(type));
+}
+Option Options::text(const std::string& names, std::function<void(const std::string&)> take,
+                     const std::string& help, const std::string& type) {
+  return add(command_->add_option_function<std::string>(names, std::move(take), help)->type_name(type));
+}
+
+Option Options::number(const std::string& names, int& target, int least, int most, const std::string& help) {
+  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+}
+Option Options::number(const std::string& names, uint32_t& target, uint32_t least, uint32_t most,
+                       const std::string& help) {
+  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+}
+Option Options::number(const std::string& names, std::optional<uint32_t>& target, uint32_t least,
+                       uint32_t most, const std::string& help) {
+  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+}
+Option Options::number(const std::string& names, double& target, double least, double most,
+                       const std::string& help) {
+  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+}
+Option Options::number(const std::string& names, uint64_t& target, const std::string& help) {
+  return add(command_->add_option(names, target, help));
+}
+
+Option Options::numbers(const std::string& names, std::vector<int>& target, int least, int most,
+                        const std::string& help) {
+  return add(command_->add_option(names, target, help)->delimiter(',')->check(CLI::Range(least, most)));
+}
+Option Options::numbers(const std::string& names, std::vector<double>& target, double least, double most,
+                        const std::string& help) {
+  return add(command_->add_option(names, target, help)->delimiter(',')->check(CLI::Range(least, most)));
+}
+
+Option Options::flag(const std::string& names, bool& target, const std::string& help) {
+  return add(command_->add_flag(names, target, help));
+}
+
+Option Options::word(const std::string& names, std::function<void(const std::string&)> take,
+                     const std::vector<std::string>& words, const std::string& help) {
+  return add(
+      command_->add_option_function<std::string>(names, std::move(take), help)->check(CLI::IsMember(words)));
+}
+
+Option Options::index_of(const std::string& name, std::function<void(size_t)> take,
+                         const std::vector<std::string>& words, const std::string& help) {
+  const auto list = fmt::format("{}", fmt::join(words, "|"));
+  return text(
+      name,
+      [=](const std::string& word) {
+        const auto found = std::find(words.begin(), words.end(), word);
+        if (found == words.end())
+          throw UsageError(fmt::format("{}: '{}' is unknown; choose {}", name, word, list));
+        take(static_cast<size_t>(found - words.begin()));
+      },
+      help, list);
+}
+
+CommandLine::CommandLine(const std::string& program, const std::string& about, const std::string& version)
+    : app_(std::make_unique<CLI::App>(about, program)) {
+  app_->formatter(std::make_shared<HelpFormatter>());
+  app_->set_version_flag("--version", program + " " + version);
+  app_->require_subcommand(1);
+}
+
+CommandLine::~CommandLine() = default;
+
+Options CommandLine::add(Verb verb) {
+  CLI::App* command = app_->add_subcommand(verb.name, verb.help);
+  command->callback([this, verb = std::move(verb)] { chosen_ = verb; });
+  return Options(command);
+}
+
+Request CommandLine::parse(int argc, char** argv) {
+  const auto refuse = [&](const std::string& problem) {
+    const std::string unknown = find_unknown_word(argc, argv);
+    return Request{{},
+                   fmt::format("rayfarm: {}\nTry 'rayfarm --help' or 'rayfarm COMMAND --help'.\n",
+                               unknown.empty() ? problem : unknown),
+                   kUsageError};
+  };
+  try {
+    app_->parse(argc, argv);
+    chosen_->check();
+    return {chosen_, {}, kComplete};
+  } catch (const CLI::ParseError& e) {
+    std::ostringstream out, err;
+    if (app_->exit(e, out, err) == 0) return {{}, out.str(), kComplete};
+    return refuse(e.what());
+  } catch (const UsageError& e) {
+    return refuse(e.what());
+  }
+}
+
+std::string CommandLine::find_unknown_word(int argc, char** argv) const {
+  if (argc < 2) return {};
+  const CLI::App* command = nullptr;
+  std::vector<std::string> commands;
+  for (const CLI::App* c : std::as_const(*app_).get_subcommands({})) {
+    commands.push_back(c->get_name());
+    if (c->get_name() == argv[1]) command = c;
+  }
+  if (!command)
+    return argv[1][0] == '-' ? ""
+                             : fmt::format("unknown command '{}'{}", argv[1], suggestion(argv[1], commands));
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& name : names_of(*option)) options.push_back(name);
+  for (int i = 2; i < argc; ++i) {
+    const std::string argument = argv[i], word = argument.substr(0, argument.find('='));
+    if (word.starts_with("--") && std::find(options.begin(), options.end(), word) == options.end())
+      return fmt::format("{} has no option '{}'{}", command->get_name(), word, suggestion(word, options));
+  }
+  return {};
+}
+
+}  // namespace rayfarm

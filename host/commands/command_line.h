@@ -1,0 +1,134 @@
+#pragma once
+// The command line: commands with long GNU options in any order, help texts in plain words, and what was
+// probably meant by a mistyped word. The parser's library is known to command_line.cpp alone.
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/render/run_render.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace rayfarm {
+
+/// What was typed can't be meant; the message says why.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What few options are beside what all are.
+class Option {
+ public:
+  explicit Option(CLI::Option* option) : option_(option) {}
+  /// It must be given.
+  const Option& required() const;
+  /// It is taken up before those without this, wherever it stands: they change what it sets.
+  const Option& read_first() const;
+
+ private:
+  CLI::Option* option_;
+};
+
+/// The options of one command. `names` are `--long` or `-s,--long`, or those of a word in its place, without
+/// dashes. A target keeps what it holds if its option is not given; it must live until the command line is
+/// parsed.
+class Options {
+ public:
+  explicit Options(CLI::App* command) : command_(command) {}
+
+  /// The options that follow stand under this title in the help.
+  void begin_group(const std::string& title) { group_ = title; }
+
+  /// `type` is what the help says it takes.
+  Option text(const std::string& names, std::string& target, const std::string& help,
+              const std::string& type = "TEXT");
+  /// Text that `take` makes something of, or throws UsageError.
+  Option text(const std::string& names, std::function<void(const std::string&)> take, const std::string& help,
+              const std::string& type);
+
+  Option number(const std::string& names, int& target, int least, int most, const std::string& help);
+  Option number(const std::string& names, uint32_t& target, uint32_t least, uint32_t most,
+                const std::string& help);
+  Option number(const std::string& names, std::optional<uint32_t>& target, uint32_t least, uint32_t most,
+                const std::string& help);
+  Option number(const std::string& names, double& target, double least, double most, const std::string& help);
+  Option number(const std::string& names, uint64_t& target, const std::string& help);
+  /// Several, with commas between them.
+  Option numbers(const std::string& names, std::vector<int>& target, int least, int most,
+                 const std::string& help);
+  Option numbers(const std::string& names, std::vector<double>& target, double least, double most,
+                 const std::string& help);
+
+  /// Sets the target to true; `!--name` to false.
+  Option flag(const std::string& names, bool& target, const std::string& help);
+
+  /// One of the words that `choices` name, with what they mean; the help lists them in this order.
+  template <typename Value, typename Target>
+  Option choice(const std::string& name, Target& target,
+                const std::vector<std::pair<std::string, Value>>& choices, const std::string& help) {
+    std::vector<std::string> words;
+    for (const auto& choice : choices) words.push_back(choice.first);
+    return index_of(
+        name, [&target, choices](size_t i) { target = choices[i].second; }, words, help);
+  }
+  /// One of some words that mean themselves.
+  Option word(const std::string& names, std::function<void(const std::string&)> take,
+              const std::vector<std::string>& words, const std::string& help);
+
+ private:
+  Option index_of(const std::string& name, std::function<void(size_t)> take,
+                  const std::vector<std::string>& words, const std::string& help);
+  Option add(CLI::Option* option);
+  CLI::App* command_;
+  std::string group_ = "Options";
+};
+
+/// How scenes are rendered; main gives it, which knows the roles of processes.
+struct Renders {
+  RunRender as_launched;  ///< with all processes that were launched
+  RunRender here;         ///< in this process alone
+};
+
+struct Verb {
+  std::string name, help;
+  /// Does what was asked for and returns the exit code. Results go to stdout, problems are thrown.
+  std::function<int(const Renders&)> run;
+  /// Throws UsageError if what was typed does not fit together.
+  std::function<void()> check = [] {};
+  bool is_for_all_ranks = false;  ///< else it is one process's work
+};
+
+/// What the user asks for.
+struct Request {
+  std::optional<Verb> verb;  ///< empty: nothing but the message
+  std::string message;
+  int exit_code = 0;  ///< of the message: help and version give 0, errors kUsageError
+};
+
+class CommandLine {
+ public:
+  CommandLine(const std::string& program, const std::string& about, const std::string& version);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  Options add(Verb verb);
+  Request parse(int argc, char** argv);
+
+ private:
+  /// Names the first word that is no command or option, and what was probably meant; or nothing.
+  std::string find_unknown_word(int argc, char** argv) const;
+  std::unique_ptr<CLI::App> app_;
+  std::optional<Verb> chosen_;
+};
+
+}  // namespace rayfarm

@@ -1,0 +1,48 @@
+#include <memory>
+
+#include "host/commands/commands.h"
+#include "host/experiments/lighting/lighting_experiment.h"
+#include "host/experiments/net-load/net_load_experiment.h"
+#include "host/experiments/working-sets/working_sets.h"
+
+namespace rayfarm {
+namespace {
+
+struct ExperimentChoice {
+  std::string name;
+  ExperimentOptions options;
+};
+
+int run_experiment(const ExperimentChoice& choice, const Renders& renders) {
+  ExperimentOptions options = choice.options;
+  if (options.output.empty()) options.output = "out/" + choice.name;
+  if (choice.name == "net-load") return run_net_load_experiment(options, renders.here);
+  if (choice.name == "working-sets") return run_working_set_experiment(options);
+  return run_lighting_experiment(options, renders.here);
+}
+
+}  // namespace
+
+void add_experiment_command(CommandLine& line) {
+  const auto choice = std::make_shared<ExperimentChoice>();
+  ExperimentOptions& o = choice->options;
+  Verb verb;
+  verb.name = "experiment";
+  verb.help = "reproduce an experiment of the seeds, and write a page about it";
+  verb.run = [choice](const Renders& renders) { return run_experiment(*choice, renders); };
+  Options options = line.add(std::move(verb));
+  options
+      .word(
+          "NAME", [choice = choice.get()](const std::string& name) { choice->name = name; },
+          {"lighting", "net-load", "working-sets"},
+          "lighting: the pictures of the thesis's chapter 3; net-load: processor counts against the net's "
+          "load, section 4.4.4.2; working-sets: Table 4.12")
+      .required();
+  options.text("-o,--output", o.output, "folder for page, pictures and numbers (default: out/NAME)");
+  options.text("--scenes", o.scenes, "folder that holds the scenes (default: scenes)");
+  options.number("--width", o.width_px, 8, 65536, "of the pictures in pixels (default: the scenes')");
+  options.text("--cluster", o.cluster,
+               "net-load: the script that makes a virtual cluster (default: deploy/virtual-cluster)");
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,73 @@
+#include <fmt/core.h>
+
+#include "host/commands/commands.h"
+#include "host/commands/compile_and_look.h"
+#include "host/process/exit_code.h"
+
+namespace rayfarm {
+namespace {
+
+void print_tree(const SceneDescription& scene, uint32_t object, size_t depth, size_t& lines_left) {
+  if (lines_left == 0) return;
+  if (--lines_left == 0) {
+    fmt::print("  …\n");
+    return;
+  }
+  const ObjectDescription& o = scene.objects[object];
+  fmt::print("  {:{}}{}{}{}\n", "", 2 * depth, o.name,
+             o.primitives.empty()
+                 ? ""
+                 : fmt::format(": {} primitive{}", o.primitives.size(), o.primitives.size() == 1 ? "" : "s"),
+             o.children.empty()
+                 ? ""
+                 : fmt::format(" ({} child{})", o.children.size(), o.children.size() == 1 ? "" : "ren"));
+  for (const ChildDescription& child : o.children) print_tree(scene, child.object, depth + 1, lines_left);
+}
+
+std::string megabytes(size_t bytes) {
+  return fmt::format("{:.2f} MiB", static_cast<double>(bytes) / (1 << 20));
+}
+
+int print_info(const std::string& path) {
+  const SceneDescription scene = load_scene(path);
+  const CompiledScene compiled = compile_and_look(scene);
+  const Scene& s = compiled.scene;
+  fmt::print("files\n");
+  for (const std::string& file : scene.files) fmt::print("  {}\n", file);
+  fmt::print("counts\n  triangles {}, spheres {}, polygons {}, quadrics {} (stored once each)\n",
+             s.triangle_shading.size(), s.spheres.size(), s.polygons.size(), s.quadrics.size());
+  fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
+             s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
+  if (scene.frames)
+    fmt::print("  frames {} to {}{}\n", (*scene.frames)[0], (*scene.frames)[1],
+               !s.moving_instances.empty() ? ", objects move" : "");
+  Box box;
+  for (const InstancePose& pose : s.poses) box.grow(pose.bounds);
+  if (!box.is_empty())
+    fmt::print("bounds\n  x {:g} to {:g}, y {:g} to {:g}, z {:g} to {:g}\n", box.lo.x, box.hi.x, box.lo.y,
+               box.hi.y, box.lo.z, box.hi.z);
+  fmt::print("object tree\n");
+  size_t lines = 60;
+  print_tree(scene, scene.root, 0, lines);
+  fmt::print("memory (the block that load data carries)\n");
+  for_each_array(s, [&]<typename T>(const char* name, std::span<const T> array) {
+    if (array.size_bytes() >= 1024)
+      fmt::print("  {:<18} {:>10} × {:>3} bytes  {:>12}\n", name, array.size(), sizeof(T),
+                 megabytes(array.size_bytes()));
+  });
+  fmt::print("  {:<18} {:>30}\n", "in all", megabytes(compiled.block.size));
+  return kComplete;
+}
+
+}  // namespace
+
+void add_info_command(CommandLine& line) {
+  const auto path = std::make_shared<std::string>();
+  Verb verb;
+  verb.name = "info";
+  verb.help = "print a scene's counts, bounds, object tree and memory";
+  verb.run = [path](const Renders&) { return print_info(*path); };
+  line.add(std::move(verb)).text("SCENE", *path, ".yaml or .nff").required();
+}
+
+}  // namespace rayfarm

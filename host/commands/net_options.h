@@ -1,0 +1,12 @@
+#pragma once
+// Options that the commands about the net have in common.
+#include "host/commands/command_line.h"
+#include "host/instrument/table.h"
+
+namespace rayfarm {
+
+/// `8mbit`, `10gbit`, `64kbit`, `9600bit`: bits per second.
+void add_rate(Options& options, double& rate_bit_per_s);
+void add_format(Options& options, TableFormat& format);
+
+}  // namespace rayfarm

@@ -1,0 +1,249 @@
+#include <fmt/core.h>
+
+#include <charconv>
+#include <filesystem>
+
+#include "common/sampling/sampler.h"
+#include "common/scene/settings_codec.h"
+#include "host/commands/commands.h"
+#include "host/render/output_pattern.h"
+#include "host/render/render_options.h"
+
+namespace rayfarm {
+namespace {
+
+template <size_t N>
+std::array<int, N> parse_numbers(const std::string& text, char separator, const std::string& form) {
+  std::array<int, N> numbers{};
+  size_t begin = 0;
+  for (size_t i = 0; i < N; ++i) {
+    const size_t end = i + 1 == N ? text.size() : text.find(separator, begin);
+    if (end == std::string::npos) throw UsageError(fmt::format("'{}' is not of the form {}", text, form));
+    const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, numbers[i]);
+    if (error != std::errc{} || stop != text.data() + end || begin == end)
+      throw UsageError(fmt::format("'{}' is not of the form {}", text, form));
+    begin = end + 1;
+  }
+  return numbers;
+}
+
+void add_picture(Options& options, RenderOptions& o) {
+  options.begin_group("Picture");
+  options
+      .text("-o,--output", o.output,
+            "FILE.exr or FILE.png, required; #### becomes the frame number; its folder is made if the one "
+            "above it is there",
+            "FILE")
+      .required();
+  options.text("--frames", o.frames,
+               "1-10, 1-10x2 or 1,5,9 (default: the scene's frames if the name has ####, else the first)",
+               "FRAMES");
+  options.text(
+      "--size",
+      [&o](const std::string& text) {
+        const auto size = parse_numbers<2>(text, 'x', "WIDTHxHEIGHT");
+        if (size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536)
+          throw UsageError(
+              fmt::format("--size {}: an image has 1 to 65536 pixels a side, because the net carries "
+                          "coordinates of 16 bits",
+                          text));
+        o.size_px = size;
+      },
+      "image size in pixels (default: the scene's)", "WxH");
+  options.text(
+      "--crop", [&o](const std::string& text) { o.crop = parse_numbers<4>(text, ',', "x0,x1,y0,y1"); },
+      "render only these pixels; x1 and y1 are excluded", "x0,x1,y0,y1");
+  options.choice<PixelFormat>(
+      "--pixel-format", o.pixel_format,
+      {{"rgb8", PixelFormat::rgb8}, {"half", PixelFormat::half_float}, {"float", PixelFormat::float32}},
+      "of pixels on the net and in the frame buffer (default: what the file holds: PNG rgb8, EXR half)");
+  options.flag("--skip-existing", o.skip_existing,
+               "leave out frames whose file is there, whole, and of this scene and these settings");
+}
+
+void add_light(Options& options, RenderOptions& o) {
+  options.begin_group("Light");
+  options.choice<LightingModel>("--lighting", o.settings.lighting,
+                                {{"path", LightingModel::path},
+                                 {"phong", LightingModel::phong},
+                                 {"thesis", LightingModel::thesis},
+                                 {"torrance-sparrow", LightingModel::torrance_sparrow},
+                                 {"whitted", LightingModel::whitted}},
+                                "lighting model (default: whitted)");
+  options.number("--diffuse-rays", o.settings.diffuse_rays, 1, 10000,
+                 "thesis's model: diffuse rays at each hit (default: 1)");
+  options.number("--diffuse-reach", o.settings.diffuse_reach, 0, 1e15,
+                 "thesis's model: the length at which a diffuse ray has lost half of its strength to "
+                 "ambient light (default: 0, it loses none)");
+  options.number("--diffuse-contrast", o.settings.diffuse_contrast, 0, 1e6,
+                 "thesis's model: trace a ray between neighbours that differ by more in the pixel (default: "
+                 "0, never)");
+  options.flag("--diffuse-jitter", o.settings.diffuse_jitter,
+               "thesis's model: diffuse rays at random in their parts of the bands: noise where fixed "
+               "places are wrong on curved bodies");
+  options.choice<ColourModel>(
+      "--colour", o.settings.colour,
+      {{"meyer4", ColourModel::meyer4}, {"rgb", ColourModel::rgb}, {"spectral20", ColourModel::spectral20}},
+      "what colours are computed as: red, green and blue, or spectra at 4 or 20 "
+      "wavelengths (default: rgb)");
+  options.number("--max-depth", o.max_depth, 1, 1000,
+                 "depth of the lighting tree; the eye ray is 1 (default: 5; path: 100)");
+  options.number("--min-weight", o.settings.min_weight, 0, 1,
+                 "do not trace rays that would contribute less (0: no cut-off; default: 1e-6)");
+}
+
+void add_sampling(Options& options, RenderOptions& o) {
+  options.begin_group("Sampling");
+  options.number("--samples,--spp", o.settings.samples, 1, 1 << 20, "rays per pixel (default: 1)");
+  options.number("--adaptive", o.settings.adaptive_contrast, 0, 1e6,
+                 "trace all samples only in pixels whose first sample differs by more than this from a "
+                 "neighbour's (default: 0, in all); not with --lighting path");
+  options.choice<SamplingPattern>("--sampling", o.settings.sampling,
+                                  {{"corners", SamplingPattern::corners},
+                                   {"jittered", SamplingPattern::jittered},
+                                   {"n-rooks", SamplingPattern::n_rooks},
+                                   {"poisson", SamplingPattern::poisson},
+                                   {"regular", SamplingPattern::regular},
+                                   {"sobol", SamplingPattern::sobol},
+                                   {"uncorrelated", SamplingPattern::uncorrelated}},
+                                  "pattern of the samples (default: sobol)");
+  options.choice<FilterKind>("--filter", o.settings.filter,
+                             {{"box", FilterKind::box},
+                              {"gaussian", FilterKind::gaussian},
+                              {"mitchell", FilterKind::mitchell},
+                              {"tent", FilterKind::tent}},
+                             "how a pixel weighs what is around its centre (default: box)");
+  options.number("--shutter", o.settings.shutter, 0, 1000,
+                 "how long it is open, in frames: what moves is blurred (default: 0)");
+  options.number("--seed", o.settings.seed, "of the random numbers (default: 0)");
+}
+
+void add_hierarchy(Options& options, RenderOptions& o) {
+  options.begin_group("Hierarchy");
+  options.choice<SplitRule>(
+      "--hierarchy", o.split_rule, {{"sah", SplitRule::sah}, {"thesis", SplitRule::thesis}},
+      "how volumes are split: by the surface area heuristic, or about the centre of the data (default: sah)");
+  options.number("--max-primitives", o.max_primitives, 1, 1000, "in a leaf of the hierarchy (default: 8)");
+}
+
+void add_net(Options& options, RenderOptions& o) {
+  options.begin_group("Nodes and net");
+  options.choice<AssignmentPolicy>(
+      "--assign", o.policy,
+      {{"interleaved", AssignmentPolicy::interleaved}, {"on-demand", AssignmentPolicy::on_demand}},
+      "who traces what (default: on-demand)");
+  options.choice<Wire>(
+      "--wire", o.wire, {{"block", Wire::block}, {"pixel", Wire::pixel}},
+      "form of results: a block per subpolygon, or the thesis's 9 bytes per pixel (default: block)");
+  options.choice<bool>("--compression", o.compresses, {{"none", false}, {"zstd", true}},
+                       "of RGB8 blocks (default: zstd)");
+  options.number("--local-nodes", o.local_nodes, 1, 256,
+                 "without mpirun: how many nodes run inside this process (default: one per core)");
+  options.number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s,
+                 liveness::kMostNodeTimeout_s, "seconds of silence after which a node is lost (default: 8)");
+  options.flag("!--no-rotation", o.rotates,
+               "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
+  options.number("--subpolygons", o.subpolygons_per_processor, 1, 1 << 20,
+                 "per node, none narrower than 8 pixels (default: the thesis's 64)");
+  options.number("--processor-time", o.ray_time_s, 0, 1e3,
+                 "emulate slow processors: seconds that a node takes for each ray, mostly asleep "
+                 "(default: 0, as fast as it can)");
+  options.numbers("--processor-times", o.time_factors, 1e-3, 1e3,
+                  "1,1,2: factors on --processor-time by node, in turn; 2 takes twice as long");
+}
+
+void add_messages(Options& options, RenderOptions& o) {
+  options.begin_group("Messages");
+  options.text("--cost-map", o.cost_map,
+               "write to this JSON file what each subpolygon took and weighs (rayfarm simulate reads it)",
+               "FILE");
+  options.text("--stats", o.stats, "write statistics to this JSON file", "FILE");
+  options.choice<ProgressStyle>("--progress", o.progress,
+                                {{"auto", ProgressStyle::automatic},
+                                 {"none", ProgressStyle::none},
+                                 {"plain", ProgressStyle::plain},
+                                 {"tty", ProgressStyle::tty}},
+                                "progress display (default: auto)");
+  options.choice<bool>(
+      "--report", o.is_full_report, {{"full", true}, {"short", false}},
+      "what is said at the end: ten lines, or all that an experimenter asks (default: short)");
+  options.flag("-q,--quiet", o.is_quiet, "errors only");
+  options.flag("-v,--verbose", o.is_verbose, "tell more");
+}
+
+void check_output(const RenderOptions& o) {
+  if (!is_writable_image(o.output))
+    throw UsageError(fmt::format("-o {}: the name must end in .exr or .png", o.output));
+  if (has_frame_pattern(std::filesystem::path(o.output).parent_path().string()))
+    throw UsageError(
+        fmt::format("-o {}: the #### must stand in the file's name, not in its folder's", o.output));
+  if (o.frames.empty()) return;
+  std::vector<FrameNumber> frames;
+  try {
+    frames = parse_frames(o.frames);
+  } catch (const std::invalid_argument& e) {
+    throw UsageError(fmt::format("--frames: {}", e.what()));
+  }
+  if (frames.size() > 1 && !has_frame_pattern(o.output))
+    throw UsageError(fmt::format("-o {}: several frames need #### in the file's name", o.output));
+}
+
+/// Options that exclude each other.
+void check_combinations(const RenderOptions& o) {
+  const RenderSettings& s = o.settings;
+  if (s.sampling == SamplingPattern::poisson && s.samples > Sampler::kMostPoissonSamples)
+    throw UsageError(fmt::format("--sampling poisson lays out at most {} samples; use sobol for more",
+                                 Sampler::kMostPoissonSamples));
+  if (s.sampling == SamplingPattern::corners && s.filter != FilterKind::box)
+    throw UsageError("--sampling corners weighs the four corners alike; leave --filter at box");
+  if (s.sampling == SamplingPattern::corners && s.shutter > 0)
+    throw UsageError("--sampling corners takes one ray per corner, too few for --shutter");
+  if (s.sampling == SamplingPattern::corners && s.samples != 1)
+    throw UsageError("--sampling corners takes one ray per corner; leave --samples at 1");
+  if (s.adaptive_contrast > 0 && s.samples < 2)
+    throw UsageError("--adaptive chooses where more than one sample is taken; set --samples");
+  if (s.adaptive_contrast > 0 && s.lighting == LightingModel::path)
+    throw UsageError(
+        "--adaptive compares the first samples of neighbouring pixels, which differ everywhere where "
+        "light is found by chance: it suits phong, torrance-sparrow, whitted and thesis, not path");
+  if (!o.time_factors.empty() && !(o.ray_time_s > 0))
+    throw UsageError("--processor-times are factors on --processor-time; give that, too");
+  if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)
+    throw UsageError("--wire pixel carries three bytes of colour; use --pixel-format rgb8 or --wire block");
+}
+
+void check_render(const RenderOptions& o) {
+  check_output(o);
+  try {
+    check_settings(o.settings);
+  } catch (const SettingsError& e) {
+    throw UsageError(e.what());
+  }
+  check_combinations(o);
+}
+
+}  // namespace
+
+void add_render_command(CommandLine& line) {
+  const auto o = std::make_shared<RenderOptions>();
+  Verb verb;
+  verb.name = "render";
+  verb.help = "render a scene to image files";
+  verb.check = [o] {
+    check_render(*o);
+    o->settings.max_depth = o->max_depth.value_or(
+        o->settings.lighting == LightingModel::path ? kPathDepth : o->settings.max_depth);
+  };
+  verb.run = [o](const Renders& renders) { return renders.as_launched(*o); };
+  verb.is_for_all_ranks = true;
+  Options options = line.add(std::move(verb));
+  options.text("SCENE", o->scene, ".yaml or .nff").required();
+  add_picture(options, *o);
+  add_light(options, *o);
+  add_sampling(options, *o);
+  add_hierarchy(options, *o);
+  add_net(options, *o);
+  add_messages(options, *o);
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,16 @@
+#pragma once
+// What every experiment is asked for.
+#include <string>
+
+#include "host/render/run_render.h"
+
+namespace rayfarm {
+
+struct ExperimentOptions {
+  std::string output;                              ///< folder of page, pictures and numbers
+  std::string scenes = "scenes";                   ///< the folder that holds them
+  int width_px = 0;                                ///< of the pictures; 0: as the scenes have it
+  std::string cluster = "deploy/virtual-cluster";  ///< the program that makes one
+};
+
+}  // namespace rayfarm

@@ -1,0 +1,147 @@
+#pragma once
+// Who does what of a phase's work: a pure state machine. Events and the time go in, actions come out; it
+// sends nothing and reads no clock, so that every fault can be played through in a test. Time is that of a
+// ListeningClock, in which pauses of the host do not count. It knows no more of the work than how many items
+// each step has. One machine, two policies:
+//  - on demand: the host hands out items, two at each node, and gives what a slow or lost node holds to
+//  others;
+//  - interleaved (thesis 4.4.4.2): each node knows its own items; only what a lost node leaves behind is
+//  handed
+//    out.
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "protocol/index.h"
+#include "protocol/time_limits.h"
+
+namespace rayfarm {
+
+struct AssignmentOptions {
+  int nodes = 1;
+  int steps = 1;
+  int items_per_step = 1;
+  int window_steps = 3;  ///< steps begun but not yet released: bounds the host's memory
+  /// Interleaved: the node that does an item by itself; empty: all is handed out on demand.
+  std::function<NodeId(ItemIndex)> owner_of;
+  int held_per_node = 2;
+  int most_tries = 3;                               ///< of an item that fails
+  double lost_after_s = liveness::kNodeTimeout_s;   ///< a node that is silent for so long is lost
+  double give_up_after_s = liveness::kAllSilent_s;  ///< all nodes are lost, but one may return
+  double duplicate_after_s = liveness::kHelp_s;  ///< an idle node helps with what another holds for so long
+};
+
+struct AssignItem {
+  NodeId node;
+  ItemIndex item;
+};
+/// Interleaved: nodes may do their items of the steps before `end`.
+struct OpenedSteps {
+  StepIndex end;
+};
+struct StepComplete {
+  StepIndex step;
+};
+struct StepFailed {
+  StepIndex step;
+  std::string problem;
+};
+struct NodeLost {
+  NodeId node;
+  bool had_work = false;  ///< which others do now
+  bool is_expelled = false;
+};
+/// A node thought lost was heard of again.
+struct NodeReturned {
+  NodeId node;
+};
+struct AllNodesLost {};
+using Action =
+    std::variant<AssignItem, OpenedSteps, StepComplete, StepFailed, NodeLost, NodeReturned, AllNodesLost>;
+
+class Assignment {
+ public:
+  Assignment(const AssignmentOptions& options, double now);
+
+  /// A node gave a sign of life.
+  void hear(NodeId node, double now);
+  /// A result came. False: a duplicate, or one of a step that is over; drop it.
+  bool accept(NodeId node, ItemIndex item, double now);
+  /// A node could not do an item.
+  void fail(NodeId node, ItemIndex item, const std::string& problem, double now);
+  /// A node failed: it is gone, could not load, or sends nonsense. Whatever it says from now on is dropped.
+  void expel(NodeId node, double now);
+  /// A complete or failed step needs no more memory.
+  void release(StepIndex step, double now);
+  /// Time has passed.
+  void tick(double now);
+
+  /// What is to be done, in order; each is given once.
+  std::vector<Action> take_actions() { return std::exchange(actions_, {}); }
+
+  bool is_over() const { return released_ == options_.steps; }
+  int nodes_alive() const;
+
+ private:
+  enum class State : uint8_t { closed, waiting, held, done };
+  struct Item {
+    State state = State::closed;
+    int tries = 0;
+    NodeId failed_at;             ///< the node at which the last try failed: another tries next
+    double since = 0;             ///< when it was last handed out
+    std::vector<NodeId> holders;  ///< owners of interleaved items too
+  };
+  struct Step {
+    std::vector<Item> items;
+    int left = 0;
+    bool is_over = false;  ///< complete or failed
+    bool is_released = false;
+  };
+  struct NodeState {
+    bool is_lost = false;
+    bool is_expelled = false;  ///< and stays lost
+    double heard = 0;
+    double freed = 0;                 ///< when it last returned something
+    std::vector<ItemIndex> assigned;  ///< handed out by the host, not yet returned
+    int own_left = 0;                 ///< of its own items in open steps
+  };
+
+  /// A word of a node that is heard, about work that there is.
+  bool is_credible(NodeId node, ItemIndex item);
+  void open_steps(double now);
+  void hand_out(double now);
+  void give(NodeId node, ItemIndex item, double now);
+  std::optional<ItemIndex> next_waiting();
+  std::optional<ItemIndex> oldest_held_by_another(NodeId node, double now);
+  void finish_item(ItemIndex item);
+  void mark_lost(NodeId node, double now);
+  void give_up_without_nodes(double now);
+  bool is_own(NodeId node, ItemIndex item) const;
+  ItemIndex first_of(StepIndex step) const {
+    return ItemIndex(int64_t{step.value()} * options_.items_per_step);
+  }
+  StepIndex step_of(ItemIndex item) const {
+    return StepIndex(static_cast<int>(item.value() / options_.items_per_step));
+  }
+  Step& at(StepIndex step) { return steps_[step.place()]; }
+  Item& at(ItemIndex item) {
+    return at(step_of(item)).items[static_cast<size_t>(item.value() % options_.items_per_step)];
+  }
+  NodeState& node_state(NodeId node) { return nodes_[node.place() - 1]; }
+
+  AssignmentOptions options_;
+  std::vector<Step> steps_;
+  std::vector<NodeState> nodes_;
+  std::deque<ItemIndex> waiting_;
+  std::vector<Action> actions_;
+  StepIndex opened_;  ///< steps before this are open or over
+  int released_ = 0;  ///< how many steps are released
+  double all_lost_since_ = 0;
+  bool is_given_up_ = false;
+};
+
+}  // namespace rayfarm

@@ -1,0 +1,87 @@
+#pragma once
+// What a job did: filled while it runs, read by the report and the statistics file.
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/lighting/ray_counts.h"
+#include "protocol/index.h"
+
+namespace rayfarm {
+
+struct NodeResult {
+  NodeId id;
+  std::string machine;
+  uint32_t pid = 0;
+  uint64_t subpolygons = 0;  ///< returned, duplicates too
+  uint64_t rays = 0;
+  double busy_s = 0;
+  bool is_lost = false;
+  bool had_work = false;  ///< when it was lost
+  std::string problem;    ///< for which it was expelled
+};
+
+/// What a subpolygon took, and its pixels on the net.
+struct SubpolygonCost {
+  double busy_s = 0;
+  uint64_t bytes = 0;
+};
+
+struct FrameResult {
+  FrameNumber frame;
+  std::string file;
+  std::string sha256;
+  std::string problem;  ///< empty: written
+  bool is_written = false;
+  RayCounts rays;
+  bool sees_anything = false;     ///< an eye ray met something
+  bool is_black = false;          ///< all pixels are 0
+  uint64_t not_finite = 0;        ///< pixels that are infinite or not a number
+  std::vector<NodeId> traced_by;  ///< by subpolygon
+  std::vector<SubpolygonCost> costs;
+};
+
+struct JobTimes {
+  double load_s = 0, build_s = 0, broadcast_s = 0, trace_s = 0, write_s = 0, total_s = 0;
+  double trace_began_unix_s = 0;
+  double host_cpu_s = 0;  ///< processor time of the host's process while the net traced
+};
+
+struct JobResult {
+  std::vector<NodeResult> nodes;
+  std::vector<FrameResult> frames;
+  uint64_t pixels_received = 0;  ///< in results, duplicates too
+  uint64_t pixels_kept = 0;
+  uint64_t duplicates = 0;  ///< results dropped
+  RayCounts rays;
+  uint64_t scene_bytes = 0;  ///< of the block that load data carries
+  JobTimes times;
+  bool was_interrupted = false;
+  bool lost_all_nodes = false;
+
+  NodeResult& node(NodeId id) { return nodes[id.place() - 1]; }
+  const NodeResult& node(NodeId id) const { return nodes[id.place() - 1]; }
+  /// What a node did not trace of the time in which the farm did.
+  double idle_s(const NodeResult& node) const { return std::max(0.0, times.trace_s - node.busy_s); }
+  /// The nodes that are lost at the end, in order.
+  std::vector<NodeId> lost_nodes() const {
+    std::vector<NodeId> lost;
+    for (const NodeResult& n : nodes)
+      if (n.is_lost) lost.push_back(n.id);
+    return lost;
+  }
+  /// Why the first of the expelled nodes is; empty if none is.
+  std::string first_problem() const {
+    for (const NodeResult& n : nodes)
+      if (!n.problem.empty()) return "node " + std::to_string(n.id.value()) + ": " + n.problem;
+    return {};
+  }
+  size_t frames_failed() const {
+    size_t n = 0;
+    for (const FrameResult& f : frames) n += f.problem.empty() ? 0u : 1u;
+    return n;
+  }
+};
+
+}  // namespace rayfarm

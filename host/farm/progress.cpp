@@ -1,0 +1,88 @@
+#include "host/farm/progress.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/process/console.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr double kTtyInterval_s = 0.2;
+constexpr double kPlainInterval_s = 5;
+constexpr int kBarWidth = 24;
+
+}  // namespace
+
+std::string format_duration(double seconds) {
+  const auto s = static_cast<long long>(std::llround(seconds));
+  return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                   : fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+std::string format_count(double count) {
+  if (count >= 1e9) return fmt::format("{:.2f} G", count / 1e9);
+  if (count >= 1e6) return fmt::format("{:.2f} M", count / 1e6);
+  if (count >= 1e3) return fmt::format("{:.1f} k", count / 1e3);
+  return fmt::format("{:.0f}", count);
+}
+
+std::string format_rate(double count, const char* unit) {
+  const std::string text = format_count(count);
+  return fmt::format("{}{}{}", text, text.find(' ') == std::string::npos ? " " : "", unit);
+}
+
+Progress::Progress(ProgressStyle style, uint64_t pixels_total) : style_(style), pixels_total_(pixels_total) {
+  if (style_ == ProgressStyle::automatic)
+    style_ = isatty(STDERR_FILENO) ? ProgressStyle::tty : ProgressStyle::plain;
+}
+
+bool Progress::is_time(double now_s) {
+  const double interval = style_ == ProgressStyle::tty ? kTtyInterval_s : kPlainInterval_s;
+  if (now_s - shown_s_ < interval) return false;
+  shown_s_ = now_s;
+  return true;
+}
+
+void Progress::print(const std::string& text, double share_done) {
+  if (style_ == ProgressStyle::plain) {
+    say("{}\n", text);
+  } else {
+    const auto filled = static_cast<size_t>(share_done * kBarWidth);
+    say("\r\033[K[{}{}] {}", std::string(filled, '#'), std::string(kBarWidth - filled, '.'), text);
+    line_is_open_ = true;
+  }
+}
+
+void Progress::show_building(double now_s, uint64_t done, uint64_t total) {
+  if (style_ == ProgressStyle::none || total == 0 || !is_time(now_s)) return;
+  // Clipping makes more pieces than there were primitives.
+  const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
+  print(fmt::format("{:5.1f} %  {}  building the hierarchy of {} primitives", 100 * share,
+                    format_duration(now_s), format_count(static_cast<double>(total))),
+        share);
+}
+
+void Progress::show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
+                    bool at_end) {
+  if (style_ == ProgressStyle::none || (!is_time(now_s) && !at_end)) return;
+  const double done =
+      pixels_total_ ? static_cast<double>(pixels_done) / static_cast<double>(pixels_total_) : 1;
+  const std::string eta = done > 0 ? format_duration(now_s * (1 - done) / done) : "?";
+  print(fmt::format("{:5.1f} %  {}  ETA {}  {}  {:.2f} bytes/pixel  {} node{}", 100 * done,
+                    format_duration(now_s), eta,
+                    format_rate(now_s > 0 ? static_cast<double>(rays) / now_s : 0, "rays/s"),
+                    pixels_done ? static_cast<double>(result_bytes) / static_cast<double>(pixels_done) : 0.0,
+                    nodes, nodes == 1 ? "" : "s"),
+        done);
+}
+
+void Progress::clear() {
+  if (line_is_open_) say("\n");
+  line_is_open_ = false;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,34 @@
+#include "host/process/interrupt.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+
+namespace rayfarm {
+namespace {
+
+std::atomic<int> caught{0};
+static_assert(std::atomic<int>::is_always_lock_free);
+
+void on_signal(int number) {
+  int none = 0;
+  if (!caught.compare_exchange_strong(none, number)) _exit(128 + number);
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaction(number, &action, nullptr);
+  // Who reads the text may leave: the pictures are written all the same.
+  signal(SIGPIPE, SIG_IGN);
+}
+
+int interrupted_by() {
+  return caught;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,99 @@
+#include "host/render/choices.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "common/scene/settings_codec.h"
+#include "host/process/exit_code.h"
+#include "host/process/memory.h"
+#include "host/render/output_pattern.h"
+#include "protocol/build_identity.h"
+
+namespace rayfarm {
+
+std::vector<FrameNumber> choose_frames(const RenderOptions& options, const SceneDescription& scene) {
+  if (!options.frames.empty()) return parse_frames(options.frames);
+  const std::array<int, 2> range = scene.frames.value_or(std::array{0, 0});
+  return parse_frames(has_frame_pattern(options.output) ? fmt::format("{}-{}", range[0], range[1])
+                                                        : fmt::format("{}", range[0]));
+}
+
+RenderSettings choose_settings(const RenderOptions& options, const SceneDescription& scene) {
+  RenderSettings s = options.settings;
+  const std::array<int, 2> size = options.size_px.value_or(scene.view.size_px());
+  s.width_px = size[0];
+  s.height_px = size[1];
+  s.crop = {0, 0, s.width_px, s.height_px};
+  if (options.crop) {
+    const auto& c = *options.crop;
+    s.crop = {c[0], c[2], c[1], c[3]};
+    if (c[0] < 0 || c[2] < 0 || c[0] >= c[1] || c[2] >= c[3] || c[1] > s.width_px || c[3] > s.height_px)
+      throw JobError(
+          kUsageError,
+          fmt::format(
+              "--crop {},{},{},{}: must lie inside the image of {}×{} pixels, with x0 < x1 and y0 < y1", c[0],
+              c[1], c[2], c[3], s.width_px, s.height_px));
+  }
+  s.pixel_format = options.pixel_format.value_or(
+      options.wire == Wire::pixel ? PixelFormat::rgb8 : natural_format(options.output));
+  return s;
+}
+
+int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes) {
+  constexpr int kMostFrames = 3;
+  constexpr double kShare = 0.9;  // of what is free: files are written through buffers
+  const double frame_bytes =
+      static_cast<double>(settings.crop.area()) * static_cast<double>(bytes_per_pixel(settings.pixel_format));
+  const uint64_t free_bytes = available_memory_bytes();
+  const auto available = static_cast<double>(free_bytes - std::min<uint64_t>(other_bytes, free_bytes));
+  const double fit = kShare * available / frame_bytes;
+  if (fit < 1)
+    throw JobError(
+        kRenderFailure,
+        fmt::format("a frame of {}×{} pixels as {} takes {:.2f} GiB on the host, of which {:.2f} GiB "
+                    "are free; render parts of it (--crop), or take a smaller --pixel-format",
+                    settings.crop.width(), settings.crop.height(), name_of(settings.pixel_format),
+                    frame_bytes / (1 << 30), available / (1 << 30)));
+  return static_cast<int>(std::min({double(kMostFrames), double(frames), fit}));
+}
+
+JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
+                  std::vector<FrameNumber> frames, int processors) {
+  JobPlan plan;
+  plan.build = build_identity();
+  plan.policy = options.policy;
+  plan.wire = options.wire;
+  plan.compresses = options.compresses;
+  plan.processors = processors;
+  plan.settings = encode_settings(settings);
+  const size_t pixel_bytes =
+      options.wire == Wire::pixel ? kPixelBytes : bytes_per_pixel(settings.pixel_format);
+  const SubpolygonGrid grid = make_grid(
+      settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
+      options.subpolygons_per_processor, kLeastSide_px, kMostSubpolygonBytes / pixel_bytes);
+  plan.phases = {PicturesPhase{std::move(frames), grid}};
+  plan.rotates = options.rotates;
+  plan.ray_time_s = options.ray_time_s;
+  // Who waits longer for nodes has a slower net, on which nodes wait longer for their host.
+  plan.host_timeout_s = std::max(plan.host_timeout_s, options.node_timeout_s);
+  plan.time_factors = options.time_factors;
+  return plan;
+}
+
+std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process) {
+  std::vector<std::string> notes;
+  const RenderSettings& s = options.settings;
+  const RenderSettings usual;
+  if (s.lighting != LightingModel::thesis &&
+      (s.diffuse_rays != usual.diffuse_rays || s.diffuse_reach != usual.diffuse_reach ||
+       s.diffuse_contrast != usual.diffuse_contrast || s.diffuse_jitter))
+    notes.emplace_back("the --diffuse options belong to --lighting thesis, and do nothing here");
+  if (options.policy == AssignmentPolicy::on_demand && !options.rotates)
+    notes.emplace_back("--no-rotation belongs to --assign interleaved, and does nothing here");
+  if (options.local_nodes > 0 && !is_one_process)
+    notes.emplace_back("--local-nodes does nothing under mpirun: every rank but the host is a node");
+  return notes;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,26 @@
+#pragma once
+// What the options of a render leave open, the scene and the machine decide.
+#include <vector>
+
+#include "common/description/scene_description.h"
+#include "common/scene/render_settings.h"
+#include "host/render/render_options.h"
+
+namespace rayfarm {
+
+std::vector<FrameNumber> choose_frames(const RenderOptions& options, const SceneDescription& scene);
+
+/// Throws JobError if the part to render is not inside of the image.
+RenderSettings choose_settings(const RenderOptions& options, const SceneDescription& scene);
+
+/// Frames that are begun but not written: so many fit into memory beside `other_bytes` that are still to be
+/// taken, at most as many as are of use. Throws JobError if not even one does.
+int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes);
+
+JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
+                  std::vector<FrameNumber> frames, int processors);
+
+/// Names options that do nothing beside others. `is_one_process`: host and nodes share it.
+std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);
+
+}  // namespace rayfarm

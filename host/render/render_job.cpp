@@ -1,0 +1,212 @@
+#include "host/render/render_job.h"
+
+#include <fmt/core.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+
+#include "common/scene/camera.h"
+#include "host/farm/dismissal.h"
+#include "host/farm/farm_host.h"
+#include "host/farm/report.h"
+#include "host/farm/roll_call.h"
+#include "host/farm/statistics.h"
+#include "host/instrument/cost_map.h"
+#include "host/process/console.h"
+#include "host/process/exit_code.h"
+#include "host/process/interrupt.h"
+#include "host/render/choices.h"
+#include "host/render/output_pattern.h"
+#include "host/render/outputs.h"
+#include "host/render/reception.h"
+#include "protocol/clock.h"
+
+namespace rayfarm {
+namespace {
+
+class Render {
+ public:
+  Render(const RenderOptions& options, Farm& farm) : options_(options), farm_(farm) {
+    log_ = spdlog::stderr_color_mt("rayfarm");
+    log_->set_pattern("rayfarm: %v");
+    log_->set_level(options.is_quiet     ? spdlog::level::err
+                    : options.is_verbose ? spdlog::level::debug
+                                         : spdlog::level::info);
+    begin_ = now_s();
+  }
+  ~Render() { spdlog::drop("rayfarm"); }
+  Render(const Render&) = delete;
+  Render& operator=(const Render&) = delete;
+
+  Ending run() {
+    Ending ending;
+    try {
+      ending.exit_code = render();
+    } catch (const JobError& e) {
+      log_->error(e.what());
+      ending.exit_code = e.code();
+    } catch (const InputError& e) {
+      log_->error(e.what());
+      ending.exit_code = kSceneError;
+    } catch (const IoError& e) {
+      log_->error(e.what());
+      ending.exit_code = is_loaded_ ? kRenderFailure : kSceneError;
+    } catch (const std::bad_alloc&) {
+      log_->error("out of memory; a smaller --size, or a machine with more memory, is needed");
+      ending.exit_code = kRenderFailure;
+    } catch (const std::exception& e) {
+      log_->error(e.what());
+      ending.exit_code = kRenderFailure;
+    }
+    if (is_loaded_) ending.has_hung_nodes = end_hung_nodes(farm_.transport, result_);
+    ending.has_losses = !result_.lost_nodes().empty();
+    dismiss_nodes(farm_.transport, ending.has_losses);
+    farm_.wait_for_nodes();  // they may still trace in the scene that ends with this object
+    return ending;
+  }
+
+ private:
+  int render() {
+    check_outputs(options_);
+    for (const std::string& note : name_idle_options(options_, farm_.transport.is_one_process()))
+      log_->warn(note);
+    RollCall roll_call(farm_.transport, result_);
+    loaded_ = load_while_nodes_report(options_, roll_call);
+    return render_loaded(roll_call);
+  }
+
+  /// A frame to render, and its file.
+  struct Picture {
+    FrameNumber frame;
+    std::string file;
+  };
+
+  /// Frames whose pictures are there are left out, if that is asked for. Throws JobError and InputError.
+  std::vector<Picture> choose_pictures(const RenderSettings& settings,
+                                       const std::map<std::string, std::string>& attributes) const {
+    std::vector<Picture> pictures;
+    for (const FrameNumber frame : choose_frames(options_, loaded_->description)) {
+      if (interrupted_by() != 0) throw JobError(kStopped, "stopped before anything was traced");
+      const std::string file = file_of_frame(options_.output, frame);
+      if (options_.skip_existing && std::filesystem::exists(file)) {
+        const std::string why = why_not_finished(file, settings, frame, attributes);
+        if (why.empty()) {
+          log_->info("{} is there; frame {} is skipped", file, frame.value());
+          continue;
+        }
+        log_->warn("{} {}; frame {} is rendered again", file, why, frame.value());
+      }
+      for (const std::string& other : {options_.stats, options_.cost_map})
+        if (file == other)
+          throw JobError(kUsageError,
+                         fmt::format("{} is the file of frame {}, and of --stats or --cost-map; each "
+                                     "output needs a name of its own",
+                                     file, frame.value()));
+      try {
+        make_camera(loaded_->compiled.scene, frame.value(), settings.width_px, settings.height_px);
+      } catch (const std::domain_error& e) {
+        throw InputError({options_.scene}, fmt::format("at frame {}: {}", frame.value(), e.what()));
+      }
+      pictures.push_back({frame, file});
+    }
+    return pictures;
+  }
+
+  int render_loaded(const RollCall& roll_call) {
+    result_.times.load_s = loaded_->load_s;
+    result_.times.build_s = loaded_->build_s;
+    result_.scene_bytes = loaded_->compiled.block.size;
+    for (const std::string& note : loaded_->compiled.notes.lines()) log_->warn(note);
+
+    const RenderSettings settings = choose_settings(options_, loaded_->description);
+    FarmHostOptions farm_options;
+    farm_options.attributes = make_attributes(settings, loaded_->compiled.block.bytes());
+    std::vector<FrameNumber> frames;
+    for (const Picture& picture : choose_pictures(settings, farm_options.attributes)) {
+      frames.push_back(picture.frame);
+      farm_options.files.push_back(picture.file);
+    }
+    farm_options.plan = make_plan(options_, settings, frames, farm_.transport.node_count());
+    const JobPlan& plan = farm_options.plan;
+    const SubpolygonGrid& grid = pictures_of(plan).grid;
+    if (frames.empty()) {
+      log_->info("nothing to do");
+      return kComplete;
+    }
+    farm_options.window_frames = choose_window(
+        settings, frames.size(),
+        farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size);  // the machine's copy
+    if (options_.wire == Wire::pixel && natural_format(options_.output) != PixelFormat::rgb8)
+      log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
+    log_->debug("{} nodes, {} × {} subpolygons", plan.processors, grid.columns, grid.rows);
+    make_output_folders(options_);
+
+    const double broadcast_begin = now_s();
+    farm_.transport.broadcast(Channel::command, encode_load_code(encode_plan(plan)));
+    farm_.load_data(
+        loaded_->compiled.block.bytes(), [this](const std::string& text) { log_->warn(text); },
+        roll_call.make_node_witness());
+    is_loaded_ = true;
+    result_.times.broadcast_s = now_s() - broadcast_begin;
+    log_->debug("the scene is loaded everywhere; tracing begins");
+
+    farm_options.image = {settings.width_px, settings.height_px, settings.crop, settings.pixel_format, {}};
+    farm_options.node_timeout_s = options_.node_timeout_s;
+    farm_options.signs = roll_call.signs();
+    farm_options.progress = options_.is_quiet ? ProgressStyle::none : options_.progress;
+    {
+      FarmHost host(farm_.transport, farm_options, result_,
+                    [this](const std::string& text) { log_->warn(text); });
+      host.run();
+    }
+    result_.times.total_s = now_s() - begin_;
+    mark_silent_nodes(farm_.transport, roll_call.signs(), result_);
+    return report(plan, settings);
+  }
+
+  /// Says what came of it. What can't be told leaves the pictures whole, but not the exit code 0.
+  int report(const JobPlan& plan, const RenderSettings& settings) {
+    const TrafficMeter& meter = *farm_.transport.meter();
+    if (!options_.is_quiet)
+      say("{}", options_.is_full_report ? format_full_report(result_, meter) : format_report(result_, meter));
+    for (const FrameResult& frame : result_.frames)
+      if (frame.is_written) std::fprintf(stdout, "%s\n", frame.file.c_str());
+    bool is_told = flush_results();
+    try {
+      if (!options_.stats.empty())
+        write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
+      if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, pictures_of(plan).grid);
+    } catch (const IoError& e) {
+      log_->error(e.what());
+      is_told = false;
+    }
+    if (result_.was_interrupted)
+      throw JobError(kStopped, "stopped; finished frames are in place (--skip-existing goes on from there)");
+    if (result_.lost_all_nodes) {
+      const std::string problem = result_.first_problem();
+      throw JobError(kRenderFailure, problem.empty() ? "every node is lost"
+                                                     : fmt::format("every node is lost ({})", problem));
+    }
+    for (const FrameResult& frame : result_.frames)
+      if (!frame.problem.empty()) log_->error("frame {} failed: {}", frame.frame.value(), frame.problem);
+    if (result_.frames_failed() == 0) return is_told ? kComplete : kRenderFailure;
+    return result_.frames_failed() == result_.frames.size() ? kRenderFailure : kSomeFramesFailed;
+  }
+
+  const RenderOptions& options_;
+  Farm& farm_;
+  std::shared_ptr<spdlog::logger> log_;
+  JobResult result_;
+  std::optional<LoadedScene> loaded_;
+  bool is_loaded_ = false;
+  double begin_ = 0;
+};
+
+}  // namespace
+
+Ending run_render(const RenderOptions& options, Farm& farm) {
+  return Render(options, farm).run();
+}
+
+}  // namespace rayfarm

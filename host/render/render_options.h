@@ -1,0 +1,42 @@
+#pragma once
+// What a render is asked for.
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/hierarchy/builder.h"
+#include "common/image/image_file.h"
+#include "common/scene/render_settings.h"
+#include "host/farm/progress.h"
+#include "protocol/job_plan.h"
+
+namespace rayfarm {
+
+struct RenderOptions {
+  std::string scene;
+  std::string output;
+  std::string frames;  ///< empty: the scene's, or frame 0
+  std::optional<std::array<int, 2>> size_px;
+  std::optional<std::array<int, 4>> crop;   ///< x0, x1, y0, y1, half-open
+  RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
+  std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds
+  std::optional<uint32_t> max_depth;        ///< empty: by the lighting model
+  AssignmentPolicy policy = AssignmentPolicy::on_demand;
+  Wire wire = Wire::block;
+  bool compresses = true;
+  bool rotates = true;  ///< interleaved: sets move on from frame to frame
+  int subpolygons_per_processor = kSubpolygonsPerProcessor;
+  double ray_time_s = 0;             ///< of emulated processors; 0: none
+  std::vector<double> time_factors;  ///< of emulated processors
+  SplitRule split_rule = SplitRule::sah;
+  uint32_t max_primitives = 8;  ///< in a leaf of the hierarchy
+  int local_nodes = 0;          ///< 0: one per core
+  double node_timeout_s = liveness::kNodeTimeout_s;
+  bool skip_existing = false;
+  std::string stats, cost_map;
+  ProgressStyle progress = ProgressStyle::automatic;
+  bool is_quiet = false, is_verbose = false, is_full_report = false;
+};
+
+}  // namespace rayfarm

@@ -1,0 +1,58 @@
+#include "node/results.h"
+
+#include <utility>
+
+#include "protocol/block_codec.h"
+
+namespace rayfarm {
+namespace {
+
+uint16_t processor_of(NodeId node) {
+  return static_cast<uint16_t>(node.value() - 1);
+}
+
+void send_pixels(Transport& transport, NodeId self, const DisplayPolygon& polygon,
+                 const SubpolygonReport& report, const Bytes& pixels) {
+  ByteWriter writer;
+  size_t i = 0;
+  for (int y = polygon.top; y <= polygon.bottom; ++y)
+    for (int x = polygon.left; x <= polygon.right; ++x, i += 3) {
+      append_pixel(processor_of(self),
+                   {static_cast<uint16_t>(x),
+                    static_cast<uint16_t>(y),
+                    {static_cast<uint8_t>(pixels[i]), static_cast<uint8_t>(pixels[i + 1]),
+                     static_cast<uint8_t>(pixels[i + 2])}},
+                   writer);
+      if (writer.size() == kPixelsPerTransfer * kPixelBytes)
+        transport.send(kHost, Channel::pixels, std::exchange(writer, {}).take());
+    }
+  if (writer.size() > 0) transport.send(kHost, Channel::pixels, writer.take());
+  transport.send(kHost, SubpolygonDone{report});
+}
+
+void send_block(Transport& transport, NodeId self, bool compresses, const DisplayPolygon& polygon,
+                const SubpolygonReport& report, const Bytes& pixels) {
+  const int width = polygon.right - polygon.left + 1, height = polygon.bottom - polygon.top + 1;
+  BlockResult block{report, false, pixels};
+  Bytes compressed;
+  if (compresses && pixels.size() == size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height)) {
+    compressed = compress_rgb8(pixels, width, height);
+    if (compressed.size() < pixels.size()) {
+      block.is_compressed = true;
+      block.pixels = compressed;
+    }
+  }
+  transport.send(kHost, Channel::command, encode_block(processor_of(self), block));
+}
+
+}  // namespace
+
+void send_subpolygon(Transport& transport, NodeId self, const JobPlan& plan, const DisplayPolygon& polygon,
+                     const SubpolygonReport& report, const Bytes& pixels) {
+  if (plan.wire == Wire::pixel)
+    send_pixels(transport, self, polygon, report, pixels);
+  else
+    send_block(transport, self, plan.compresses, polygon, report, pixels);
+}
+
+}  // namespace rayfarm

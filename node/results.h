@@ -1,0 +1,11 @@
+#pragma once
+// How a node returns what came of an item.
+#include "node/node.h"
+
+namespace rayfarm {
+
+/// Sends a subpolygon's pixels and its report in the plan's form: as one block, or pixel by pixel.
+void send_subpolygon(Transport& transport, NodeId self, const JobPlan& plan, const DisplayPolygon& polygon,
+                     const SubpolygonReport& report, const Bytes& pixels);
+
+}  // namespace rayfarm
