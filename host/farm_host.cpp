@@ -204,7 +204,7 @@ void FarmHost::keep_result(int node, const SubpolygonReport& report, std::span<c
   const auto subpolygon = static_cast<int>(report.subpolygon);
   const DisplayPolygon p = options_.plan.grid.polygon(subpolygon);
   const PixelRect& window = options_.image.window;
-  const size_t pixel_bytes = bytes_per_pixel(options_.image.format);
+  const size_t pixel_bytes = options_.image.layout.bytes;
   const auto width = static_cast<size_t>(p.right - p.left + 1),
              height = static_cast<size_t>(p.bottom - p.top + 1);
   if (pixels.size() != width * height * pixel_bytes)

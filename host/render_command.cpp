@@ -104,8 +104,8 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
 int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes) {
   constexpr int kMostFrames = 3;
   constexpr double kShare = 0.9;  // of what is free: files are written through buffers
-  const double frame_bytes =
-      static_cast<double>(settings.crop.area()) * static_cast<double>(bytes_per_pixel(settings.pixel_format));
+  const double frame_bytes = static_cast<double>(settings.crop.area()) *
+                             static_cast<double>(make_pixel_layout(settings.pixel_format).bytes);
   const uint64_t free_bytes = available_memory_bytes();
   const auto available = static_cast<double>(free_bytes - std::min<uint64_t>(other_bytes, free_bytes));
   const double fit = kShare * available / frame_bytes;
@@ -211,11 +211,11 @@ class RenderCommand {
     plan.build = build_identity();
     plan.policy = options_.policy;
     plan.wire = options_.wire;
-    plan.compresses = options_.compresses;
+    const PixelLayout layout = make_pixel_layout(settings.pixel_format);
+    plan.compresses = options_.compresses && layout.is_rgb8();
     plan.processors = farm_.transport.node_count();
     plan.settings = encode_settings(settings);
-    const size_t pixel_bytes =
-        options_.wire == Wire::pixel ? kPixelBytes : bytes_per_pixel(settings.pixel_format);
+    const size_t pixel_bytes = options_.wire == Wire::pixel ? kPixelBytes : layout.bytes;
     plan.grid = make_grid(settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(),
                           plan.processors, options_.subpolygons_per_processor, kLeastSide_px,
                           kMostSubpolygonBytes / pixel_bytes);
@@ -289,7 +289,8 @@ class RenderCommand {
     result_.times.broadcast_s = now_s() - broadcast_begin;
     log_->debug("the scene is loaded everywhere; tracing begins");
 
-    farm_options.image = {settings.width_px, settings.height_px, settings.crop, settings.pixel_format, {}};
+    farm_options.image = {
+        settings.width_px, settings.height_px, settings.crop, make_pixel_layout(settings.pixel_format), {}};
     farm_options.node_timeout_s = options_.node_timeout_s;
     farm_options.signs = roll_call.signs();
     farm_options.progress = options_.is_quiet ? ProgressStyle::none : options_.progress;

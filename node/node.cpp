@@ -192,8 +192,7 @@ class Node {
     const int width = polygon.right - polygon.left + 1, height = polygon.bottom - polygon.top + 1;
     BlockResult block{report, false, pixels};
     Bytes compressed;
-    if (plan_.compresses &&
-        pixels.size() == size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height)) {
+    if (plan_.compresses) {
       compressed = compress_rgb8(pixels, width, height);
       if (compressed.size() < pixels.size()) {
         block.is_compressed = true;

@@ -17,7 +17,7 @@ struct JobPlan {
   std::vector<int> frames;  ///< in the order in which they are rendered
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
-  bool compresses = true;  ///< RGB8 blocks only
+  bool compresses = true;  ///< blocks, whose pixels are RGB8
   int processors = 1;
   double host_timeout_s = liveness::kLongSilence_s;  ///< a node ends if its host is silent for so long
   SubpolygonGrid grid;
