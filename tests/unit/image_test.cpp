@@ -38,6 +38,14 @@ void write_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
+TEST(PixelFormat, SrgbThereAndBack) {
+  for (int i = 0; i < 256; ++i) EXPECT_EQ(encode_srgb8(decode_srgb8(static_cast<uint8_t>(i))), i);
+  EXPECT_EQ(encode_srgb8(-1), 0);
+  EXPECT_EQ(encode_srgb8(7), 255);
+  EXPECT_EQ(encode_srgb8(std::nan("")), 0);
+  EXPECT_EQ(encode_srgb8(0.5), 188);  // IEC 61966-2-1: 1.055 · 0.5^(1/2.4) - 0.055 = 0.7354
+}
+
 TEST(ImageFiles, SayWhatTheyHold) {
   for (const PixelFormat format : {PixelFormat::rgb8, PixelFormat::half_float, PixelFormat::float32}) {
     const Image image = make_crop(format);
