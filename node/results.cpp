@@ -35,7 +35,7 @@ void send_block(Transport& transport, NodeId self, bool compresses, const Displa
   const int width = polygon.right - polygon.left + 1, height = polygon.bottom - polygon.top + 1;
   BlockResult block{report, false, pixels};
   Bytes compressed;
-  if (compresses && pixels.size() == size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height)) {
+  if (compresses) {
     compressed = compress_rgb8(pixels, width, height);
     if (compressed.size() < pixels.size()) {
       block.is_compressed = true;

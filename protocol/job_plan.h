@@ -17,7 +17,7 @@ struct JobPlan {
   std::vector<Phase> phases;
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
-  bool compresses = true;  ///< RGB8 blocks only
+  bool compresses = true;  ///< blocks, whose pixels are RGB8
   int processors = 1;
   double host_timeout_s = liveness::kLongSilence_s;  ///< a node ends if its host is silent for so long
   bool rotates = true;                               ///< interleaved: sets move on from step to step

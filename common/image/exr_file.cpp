@@ -13,6 +13,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <span>
 #include <stdexcept>
 
 namespace rayfarm {
@@ -66,69 +67,70 @@ class Input : public Imf::IStream {
   std::FILE* file_;
 };
 
-/// The channels with their slices over some rows of interleaved RGBA of type T.
-template <typename T>
-Imf::FrameBuffer rgba_slices(std::vector<T>& rgba, int x0, int y0, int width, Imf::PixelType type) {
-  const size_t x_stride = 4 * sizeof(T), y_stride = x_stride * static_cast<size_t>(width);
-  Imf::FrameBuffer buffer;
-  const char* names[4] = {"R", "G", "B", "A"};
-  for (size_t c = 0; c < 4; ++c) {
-    // OpenEXR addresses pixels by their coordinates, so the base lies before the data for rows off the
-    // origin.
-    char* base = reinterpret_cast<char*>(rgba.data() + c) -
-                 static_cast<ptrdiff_t>(x0) * static_cast<ptrdiff_t>(x_stride) -
-                 static_cast<ptrdiff_t>(y0) * static_cast<ptrdiff_t>(y_stride);
-    buffer.insert(names[c], Imf::Slice(type, base, x_stride, y_stride));
+/// A channel of the file, in rows of interleaved values.
+struct Column {
+  std::string name;
+  Imf::PixelType type;
+  size_t offset_bytes;            ///< in the pixel
+  std::optional<size_t> channel;  ///< of the image; none: 1 everywhere
+};
+
+class Columns {
+ public:
+  /// The image's channels, and alpha. RGB8 becomes half.
+  explicit Columns(const PixelLayout& layout) {
+    for (size_t i = 0; i < layout.channels.size(); ++i)
+      add(std::string(layout.channels[i].name), type_of(layout.channels[i].format), i);
+    if (const auto red = layout.find("R")) add("A", type_of(layout.channels[*red].format), std::nullopt);
   }
-  return buffer;
-}
+  std::span<const Column> list() const { return columns_; }
 
-/// Rows of the image, from `first` of the window's on, as RGBA.
-template <typename T>
-void convert_rows(const Image& image, int first, int count, std::vector<T>& rgba) {
-  const auto width = static_cast<size_t>(image.window.width());
-  const size_t from = static_cast<size_t>(first) * width, pixels = static_cast<size_t>(count) * width;
-  rgba.resize(4 * pixels);
-  for (size_t i = 0; i < pixels; ++i) {
-    for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = T(static_cast<float>(channel_value(image, from + i, c)));
-    rgba[4 * i + 3] = T(1.0f);
-  }
-}
-
-template <typename T>
-void write_exr_as(std::FILE* file, const Image& image, Imf::PixelType type,
-                  const std::map<std::string, std::string>& attributes) {
-  const PixelRect& w = image.window;
-  const Imath::Box2i display({0, 0}, {image.width_px - 1, image.height_px - 1});
-  const Imath::Box2i data({w.x0, w.y0}, {w.x1 - 1, w.y1 - 1});
-  Imf::Header header(display, data, 1, Imath::V2f(0, 0), 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
-  for (const char* name : {"R", "G", "B", "A"}) header.channels().insert(name, Imf::Channel(type));
-  Imf::addChromaticities(header, Imf::Chromaticities());  // Rec. ITU-R BT.709-3
-  for (const auto& [name, value] : attributes) header.insert(name, Imf::StringAttribute(value));
-
-  std::vector<T> rgba, back;
-  {
-    Output stream(file);
-    Imf::OutputFile out(stream, header, 1);
-    for (int y = 0; y < w.height(); y += kRowsAtOnce) {
-      const int rows = std::min(kRowsAtOnce, w.height() - y);
-      convert_rows(image, y, rows, rgba);
-      out.setFrameBuffer(rgba_slices(rgba, w.x0, w.y0 + y, w.width(), type));
-      out.writePixels(rows);
+  /// Where the columns lie in rows of a window's pixels, from row `y0` on.
+  Imf::FrameBuffer slices(std::vector<char>& rows, int x0, int y0, int width) const {
+    const size_t y_stride = bytes_ * static_cast<size_t>(width);
+    Imf::FrameBuffer buffer;
+    for (const Column& column : columns_) {
+      // OpenEXR addresses pixels by their coordinates, so the base lies before the data for rows off the
+      // origin.
+      char* base = rows.data() + column.offset_bytes -
+                   static_cast<ptrdiff_t>(x0) * static_cast<ptrdiff_t>(bytes_) -
+                   static_cast<ptrdiff_t>(y0) * static_cast<ptrdiff_t>(y_stride);
+      buffer.insert(column.name, Imf::Slice(column.type, base, bytes_, y_stride));
     }
+    return buffer;
   }
-  Input stream(file);
-  Imf::InputFile in(stream, 1);
-  for (int y = 0; y < w.height(); y += kRowsAtOnce) {
-    const int rows = std::min(kRowsAtOnce, w.height() - y);
-    convert_rows(image, y, rows, rgba);
-    back.assign(rgba.size(), T(0.0f));
-    in.setFrameBuffer(rgba_slices(back, w.x0, w.y0 + y, w.width(), type));
-    in.readPixels(w.y0 + y, w.y0 + y + rows - 1);
-    if (std::memcmp(rgba.data(), back.data(), rgba.size() * sizeof(T)) != 0)
-      throw std::runtime_error("what was read back differs from what was written");
+
+  /// Rows of the image, from `first` of the window's on.
+  void convert_rows(const Image& image, int first, int count, std::vector<char>& rows) const {
+    const auto width = static_cast<size_t>(image.window.width());
+    const size_t from = static_cast<size_t>(first) * width, pixels = static_cast<size_t>(count) * width;
+    rows.resize(bytes_ * pixels);
+    char* out = rows.data();
+    for (size_t i = 0; i < pixels; ++i, out += bytes_)
+      for (const Column& column : columns_) {
+        const auto value =
+            column.channel ? static_cast<float>(channel_value(image, from + i, *column.channel)) : 1.0f;
+        if (column.type == Imf::HALF) {
+          const Imath::half half(value);
+          std::memcpy(out + column.offset_bytes, &half, sizeof half);
+        } else {
+          std::memcpy(out + column.offset_bytes, &value, sizeof value);
+        }
+      }
   }
-}
+
+ private:
+  static Imf::PixelType type_of(PixelFormat format) {
+    return format == PixelFormat::float32 ? Imf::FLOAT : Imf::HALF;
+  }
+  void add(const std::string& name, Imf::PixelType type, std::optional<size_t> channel) {
+    columns_.push_back({name, type, bytes_, channel});
+    bytes_ += type == Imf::HALF ? sizeof(Imath::half) : sizeof(float);
+  }
+
+  std::vector<Column> columns_;
+  size_t bytes_ = 0;  ///< of a pixel
+};
 
 PixelRect rect_of(const Imath::Box2i& box, const Imath::V2i& origin) {
   return {box.min.x - origin.x, box.min.y - origin.y, box.max.x - origin.x + 1, box.max.y - origin.y + 1};
@@ -148,10 +150,37 @@ std::optional<PixelFormat> format_of(const Imf::ChannelList& channels) {
 }  // namespace
 
 void write_exr(std::FILE* file, const Image& image, const std::map<std::string, std::string>& attributes) {
-  if (image.format == PixelFormat::float32)
-    write_exr_as<float>(file, image, Imf::FLOAT, attributes);
-  else
-    write_exr_as<Imath::half>(file, image, Imf::HALF, attributes);
+  const PixelRect& w = image.window;
+  const Imath::Box2i display({0, 0}, {image.width_px - 1, image.height_px - 1});
+  const Imath::Box2i data({w.x0, w.y0}, {w.x1 - 1, w.y1 - 1});
+  Imf::Header header(display, data, 1, Imath::V2f(0, 0), 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION);
+  const Columns columns(image.layout);
+  for (const Column& column : columns.list())
+    header.channels().insert(column.name, Imf::Channel(column.type));
+  Imf::addChromaticities(header, Imf::Chromaticities());  // Rec. ITU-R BT.709-3
+  for (const auto& [name, value] : attributes) header.insert(name, Imf::StringAttribute(value));
+
+  std::vector<char> rows, back;
+  {
+    Output stream(file);
+    Imf::OutputFile out(stream, header, 1);
+    for (int y = 0; y < w.height(); y += kRowsAtOnce) {
+      const int count = std::min(kRowsAtOnce, w.height() - y);
+      columns.convert_rows(image, y, count, rows);
+      out.setFrameBuffer(columns.slices(rows, w.x0, w.y0 + y, w.width()));
+      out.writePixels(count);
+    }
+  }
+  Input stream(file);
+  Imf::InputFile in(stream, 1);
+  for (int y = 0; y < w.height(); y += kRowsAtOnce) {
+    const int count = std::min(kRowsAtOnce, w.height() - y);
+    columns.convert_rows(image, y, count, rows);
+    back.assign(rows.size(), 0);
+    in.setFrameBuffer(columns.slices(back, w.x0, w.y0 + y, w.width()));
+    in.readPixels(w.y0 + y, w.y0 + y + count - 1);
+    if (rows != back) throw std::runtime_error("what was read back differs from what was written");
+  }
 }
 
 ImageInfo read_exr_info(std::FILE* file) {

@@ -1,5 +1,6 @@
 #pragma once
-// OpenEXR files of bare R, G, B, A channels (alpha 1), half or float, ZIP, scene-linear Rec.709.
+// OpenEXR files of the pixels' channels by their names and A (alpha 1), half or float, ZIP, scene-linear
+// Rec.709.
 #include <cstdio>
 
 #include "common/image/image.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/image/pixel_format.h"
+#include "common/image/pixel_layout.h"
 #include "common/image/pixel_rect.h"
 
 namespace rayfarm {
@@ -14,15 +14,16 @@ namespace rayfarm {
 struct Image {
   int width_px = 0, height_px = 0;  ///< of the whole image (EXR: the display window)
   PixelRect window;                 ///< what `pixels` hold (EXR: the data window)
-  PixelFormat format = PixelFormat::half_float;
-  std::vector<std::byte> pixels;  ///< window height × width, row-major, origin top left
+  PixelLayout layout;
+  std::vector<std::byte> pixels;  ///< window height × width × layout.bytes, row-major, origin top left
 };
 
 /// What a picture's file says of it.
 struct ImageInfo {
   int width_px = 0, height_px = 0;  ///< of the whole image; a PNG doesn't say it, so that it is the window's
   PixelRect window;                 ///< whose pixels the file holds
-  std::optional<PixelFormat> format;  ///< none if it is not as Rayfarm writes it
+  /// Of its colour; none if it is not as Rayfarm writes it.
+  std::optional<PixelFormat> format;
   std::map<std::string, std::string> attributes;
 };
 

@@ -17,8 +17,9 @@ bool holds_linear_light(const std::string& path);
 /// What a file of this name holds: PNG rgb8, EXR half.
 PixelFormat natural_format(const std::string& path);
 
-/// Writes by extension. EXR: bare R, G, B, A channels (alpha 1), half or float, ZIP, scene-linear Rec.709,
-/// with the attributes given. PNG: sRGB, 8 bits. Throws IoError; nothing is left behind then.
+/// Writes by extension. EXR: the pixels' channels by their names and A (alpha 1), half or float, ZIP,
+/// scene-linear Rec.709, with the attributes given. PNG: R, G and B in sRGB, 8 bits. Throws IoError; nothing
+/// is left behind then.
 void write_image(const std::string& path, const Image& image,
                  const std::map<std::string, std::string>& attributes);
 

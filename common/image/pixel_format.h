@@ -1,19 +1,18 @@
 #pragma once
-// Pixels as they are kept, sent and written. Conversion happens once, on the node, so that every wire and
-// every file sees the same bytes.
+// Values of pixels as they are kept, sent and written. Conversion happens once, on the node, so that every
+// wire and every file sees the same bytes.
 #include <cstddef>
 #include <cstdint>
-#include <span>
-
-#include "common/math/vector.h"
 
 namespace rayfarm {
 
-/// rgb8: sRGB-encoded bytes (IEC 61966-2-1). half_float, float32: linear, little-endian.
+/// What a channel's values are kept as. rgb8: sRGB-encoded bytes (IEC 61966-2-1). half_float, float32:
+/// linear, little-endian.
 enum class PixelFormat : uint8_t { rgb8, half_float, float32 };
 
-constexpr size_t bytes_per_pixel(PixelFormat format) {
-  return format == PixelFormat::rgb8 ? 3 : format == PixelFormat::half_float ? 6 : 12;
+/// Of one value.
+constexpr size_t bytes_of(PixelFormat format) {
+  return format == PixelFormat::rgb8 ? 1 : format == PixelFormat::half_float ? 2 : 4;
 }
 constexpr const char* name_of(PixelFormat format) {
   return format == PixelFormat::rgb8 ? "rgb8" : format == PixelFormat::half_float ? "half" : "float";
@@ -27,7 +26,9 @@ double decode_srgb8(uint8_t byte);
 /// The linear value of an encoded one in [0, 1].
 double decode_srgb(double encoded);
 
-/// Writes one colour at `out`, which has bytes_per_pixel(format) bytes.
-void encode_pixel(PixelFormat format, const Color& color, std::byte* out);
+/// Writes a linear value at `out`, which has bytes_of(format) bytes.
+void encode_value(PixelFormat format, double value, std::byte* out);
+/// The linear value that the bytes at `in` stand for.
+double decode_value(PixelFormat format, const std::byte* in);
 
 }  // namespace rayfarm

@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <array>
 #include <cerrno>
 #include <csetjmp>
 #include <cstring>
@@ -120,11 +121,19 @@ class Reader {
 std::span<const std::byte> rgb8_row(const Image& image, int y, std::vector<std::byte>& converted) {
   const auto width = static_cast<size_t>(image.window.width());
   const size_t first = static_cast<size_t>(y) * width;
-  if (image.format == PixelFormat::rgb8) return std::span(image.pixels).subspan(3 * first, 3 * width);
+  if (image.layout.is_rgb8()) return std::span(image.pixels).subspan(3 * first, 3 * width);
+  std::array<size_t, 3> channels{};
+  for (size_t c = 0; c < 3; ++c) {
+    constexpr std::array kNames{"R", "G", "B"};
+    const auto channel = image.layout.find(kNames[c]);
+    if (!channel) throw std::runtime_error("the pixels hold no colour");
+    channels[c] = *channel;
+  }
   converted.resize(3 * width);
   for (size_t x = 0; x < width; ++x)
     for (size_t c = 0; c < 3; ++c)
-      converted[3 * x + c] = static_cast<std::byte>(encode_srgb8(channel_value(image, first + x, c)));
+      converted[3 * x + c] =
+          static_cast<std::byte>(encode_srgb8(channel_value(image, first + x, channels[c])));
   return converted;
 }
 

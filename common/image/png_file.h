@@ -1,5 +1,5 @@
 #pragma once
-// PNG files of sRGB, 8 bits a channel, a text chunk for each attribute.
+// PNG files of R, G and B in sRGB, 8 bits a channel, a text chunk for each attribute.
 #include <cstdio>
 
 #include "common/image/image.h"

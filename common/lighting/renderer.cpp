@@ -1,5 +1,6 @@
 #include "common/lighting/renderer.h"
 
+#include "common/image/film.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
@@ -60,9 +61,8 @@ class Renderer::Rendering {
         moments_(renderer.now_),
         small_objects_(renderer.small_objects_),
         rect_(rect),
-        pulse_(pulse) {
-    result_.pixels.resize(static_cast<size_t>(rect.area()) * bytes_per_pixel(settings_.pixel_format));
-  }
+        pulse_(pulse),
+        film_(rect, make_pixel_layout(settings_.pixel_format)) {}
 
   RenderedPixels run() {
     if (settings_.sampling == SamplingPattern::corners)
@@ -78,6 +78,8 @@ class Renderer::Rendering {
         add_samples(block, pixels, 0, sums);
         for (size_t i = 0; i < pixels.size(); ++i) write(pixels[i], mean(sums[i]));
       });
+    result_.pixels = film_.take_pixels();
+    result_.not_finite = film_.not_finite();
     return std::move(result_);
   }
 
@@ -156,11 +158,7 @@ class Renderer::Rendering {
   Color mean(const Color& sum) const { return sum / static_cast<double>(settings_.samples); }
 
   void write(const Pixel& p, const Color& color) {
-    const auto i = static_cast<size_t>(p.y - rect_.y0) * static_cast<size_t>(rect_.width()) +
-                   static_cast<size_t>(p.x - rect_.x0);
-    if (!is_finite(color)) ++result_.not_finite;
-    encode_pixel(settings_.pixel_format, color,
-                 result_.pixels.data() + i * bytes_per_pixel(settings_.pixel_format));
+    film_.expose(p.x, p.y, std::array{color.x, color.y, color.z});
   }
 
   /// Rays through the pixels' corners, shared by the four pixels around each (thesis 2.3.2). Two rows are
@@ -282,6 +280,7 @@ class Renderer::Rendering {
   std::span<const SmallObject> small_objects_;
   PixelRect rect_;
   const std::function<void()>& pulse_;
+  Film film_;
   size_t rays_since_pulse_ = 0;
   RenderedPixels result_;
   RenderedPixels counted_elsewhere_;  ///< for neighbours

@@ -13,7 +13,8 @@
 namespace rayfarm {
 
 struct RenderedPixels {
-  std::vector<std::byte> pixels;  ///< height × width × bytes_per_pixel, row-major, origin top left
+  /// As make_pixel_layout(settings.pixel_format) lays them out: height × width, row-major, origin top left.
+  std::vector<std::byte> pixels;
   /// Rays that belong to this rectangle. What is traced for neighbours too (in corner sampling the corners on
   /// the border, in adaptive sampling the first samples beyond it) is counted once, so that the counts of a
   /// frame do not depend on how it was cut.

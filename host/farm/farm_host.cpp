@@ -203,7 +203,7 @@ void FarmHost::keep_result(NodeId node, const SubpolygonReport& report, std::spa
   const ItemIndex item = item_of(report);
   const DisplayPolygon p = pictures_.polygon_of(item);
   const PixelRect& window = options_.image.window;
-  const size_t pixel_bytes = bytes_per_pixel(options_.image.format);
+  const size_t pixel_bytes = options_.image.layout.bytes;
   const auto width = static_cast<size_t>(p.right - p.left + 1),
              height = static_cast<size_t>(p.bottom - p.top + 1);
   if (pixels.size() != width * height * pixel_bytes)

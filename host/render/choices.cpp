@@ -43,8 +43,8 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
 int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes) {
   constexpr int kMostFrames = 3;
   constexpr double kShare = 0.9;  // of what is free: files are written through buffers
-  const double frame_bytes =
-      static_cast<double>(settings.crop.area()) * static_cast<double>(bytes_per_pixel(settings.pixel_format));
+  const double frame_bytes = static_cast<double>(settings.crop.area()) *
+                             static_cast<double>(make_pixel_layout(settings.pixel_format).bytes);
   const uint64_t free_bytes = available_memory_bytes();
   const auto available = static_cast<double>(free_bytes - std::min<uint64_t>(other_bytes, free_bytes));
   const double fit = kShare * available / frame_bytes;
@@ -64,11 +64,11 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   plan.build = build_identity();
   plan.policy = options.policy;
   plan.wire = options.wire;
-  plan.compresses = options.compresses;
+  const PixelLayout layout = make_pixel_layout(settings.pixel_format);
+  plan.compresses = options.compresses && layout.is_rgb8();
   plan.processors = processors;
   plan.settings = encode_settings(settings);
-  const size_t pixel_bytes =
-      options.wire == Wire::pixel ? kPixelBytes : bytes_per_pixel(settings.pixel_format);
+  const size_t pixel_bytes = options.wire == Wire::pixel ? kPixelBytes : layout.bytes;
   const SubpolygonGrid grid = make_grid(
       settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
       options.subpolygons_per_processor, kLeastSide_px, kMostSubpolygonBytes / pixel_bytes);

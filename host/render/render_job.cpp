@@ -151,7 +151,8 @@ class Render {
     result_.times.broadcast_s = now_s() - broadcast_begin;
     log_->debug("the scene is loaded everywhere; tracing begins");
 
-    farm_options.image = {settings.width_px, settings.height_px, settings.crop, settings.pixel_format, {}};
+    farm_options.image = {
+        settings.width_px, settings.height_px, settings.crop, make_pixel_layout(settings.pixel_format), {}};
     farm_options.node_timeout_s = options_.node_timeout_s;
     farm_options.signs = roll_call.signs();
     farm_options.progress = options_.is_quiet ? ProgressStyle::none : options_.progress;

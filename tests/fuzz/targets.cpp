@@ -131,7 +131,7 @@ std::string zstd_bomb() {
 
 std::vector<std::string> image_seeds(const Folder& folder) {
   std::vector<std::string> seeds;
-  const Image image{5, 4, {0, 0, 5, 4}, PixelFormat::rgb8, zeros(3 * 5 * 4)};
+  const Image image{5, 4, {0, 0, 5, 4}, make_pixel_layout(PixelFormat::rgb8), zeros(3 * 5 * 4)};
   for (const char* name : {"seed.png", "seed.exr"}) {
     write_image(folder.path + "/" + name, image, {{"rayfarm/frame", "1"}});
     seeds.push_back(name[5] + read_file(folder.path + "/" + name, limits::kFileBytes));
@@ -191,7 +191,7 @@ JobPlan make_plan() {
 std::vector<Target> make_targets(const std::string& path) {
   const Folder folder{path};
   // Textures that scenes name are not there, but one.
-  write_image(path + "/t.png", {2, 2, {0, 0, 2, 2}, PixelFormat::rgb8, zeros(12)}, {});
+  write_image(path + "/t.png", {2, 2, {0, 0, 2, 2}, make_pixel_layout(PixelFormat::rgb8), zeros(12)}, {});
   folder.write("a.mtl", kMtl);
   folder.write("a.obj", kObj);
   return {

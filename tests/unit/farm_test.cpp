@@ -84,7 +84,7 @@ FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wi
   options.plan.wire = wire;
   options.plan.processors = nodes;
   options.plan.settings = settings;
-  options.image = {40, 30, {0, 0, 40, 30}, PixelFormat::rgb8, {}};
+  options.image = {40, 30, {0, 0, 40, 30}, make_pixel_layout(PixelFormat::rgb8), {}};
   options.progress = ProgressStyle::none;
   for (const int frame : frames)
     options.files.push_back((run.folder / fmt::format("f{}.png", frame)).string());
@@ -219,7 +219,8 @@ TEST(Farm, ALivingNodeThatSendsNonsenseIsExpelled) {
 
 TEST(FrameWriter, WritesAllThatIsQueuedBeforeItEnds) {
   const auto folder = std::filesystem::path(test::write_temporary("writer-marker", "")).parent_path();
-  Image image{64, 64, {0, 0, 64, 64}, PixelFormat::rgb8, std::vector<std::byte>(3 * 64 * 64)};
+  Image image{
+      64, 64, {0, 0, 64, 64}, make_pixel_layout(PixelFormat::rgb8), std::vector<std::byte>(3 * 64 * 64)};
   std::vector<std::filesystem::path> files;
   FrameWriter writer;
   for (int i = 0; i < 20; ++i) {

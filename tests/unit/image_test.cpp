@@ -20,12 +20,12 @@ const std::map<std::string, std::string> kAttributes{{"rayfarm/seed", "7"}, {"ra
 
 /// A crop of 50 × 70 pixels, whose rows are more than what is written at once, each pixel different.
 Image make_crop(PixelFormat format) {
-  Image image{640, 480, {100, 90, 150, 160}, format, {}};
-  image.pixels.resize(static_cast<size_t>(image.window.area()) * bytes_per_pixel(format));
+  Image image{640, 480, {100, 90, 150, 160}, make_pixel_layout(format), {}};
+  image.pixels.resize(static_cast<size_t>(image.window.area()) * image.layout.bytes);
   std::byte* out = image.pixels.data();
-  for (int64_t i = 0; i < image.window.area(); ++i, out += bytes_per_pixel(format)) {
+  for (int64_t i = 0; i < image.window.area(); ++i, out += image.layout.bytes) {
     const double x = static_cast<double>(i * 7919 % 3500) / 3500;
-    encode_pixel(format, Color(x, 1 - x, x * x), out);
+    encode_pixel(image.layout, std::array{x, 1 - x, x * x}, out);
   }
   return image;
 }
@@ -36,6 +36,14 @@ std::string bytes_of(const std::string& path) {
 }
 void write_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
+}
+
+TEST(PixelFormat, SrgbThereAndBack) {
+  for (int i = 0; i < 256; ++i) EXPECT_EQ(encode_srgb8(decode_srgb8(static_cast<uint8_t>(i))), i);
+  EXPECT_EQ(encode_srgb8(-1), 0);
+  EXPECT_EQ(encode_srgb8(7), 255);
+  EXPECT_EQ(encode_srgb8(std::nan("")), 0);
+  EXPECT_EQ(encode_srgb8(0.5), 188);  // IEC 61966-2-1: 1.055 · 0.5^(1/2.4) - 0.055 = 0.7354
 }
 
 TEST(ImageFiles, SayWhatTheyHold) {

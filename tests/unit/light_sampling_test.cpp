@@ -19,7 +19,7 @@ std::string write_environment(int width, int height, const std::function<float(i
   image.width_px = width;
   image.height_px = height;
   image.window = {0, 0, width, height};
-  image.format = PixelFormat::float32;
+  image.layout = make_pixel_layout(PixelFormat::float32);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int c = 0; c < 3; ++c) {

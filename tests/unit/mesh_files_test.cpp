@@ -43,7 +43,7 @@ const std::string kFace = "f 1/1 2/2 3/3\n";
 
 /// An image of two pixels, red and green.
 void write_two_colours(const std::string& name) {
-  Image image{2, 1, {0, 0, 2, 1}, PixelFormat::rgb8, {}};
+  Image image{2, 1, {0, 0, 2, 1}, make_pixel_layout(PixelFormat::rgb8), {}};
   for (const int value : {255, 0, 0, 0, 255, 0}) image.pixels.push_back(static_cast<std::byte>(value));
   write_image(write_temporary(name, ""), image, {});
 }

@@ -39,7 +39,7 @@ TEST(SceneBlock, CompilingTwiceGivesTheSameBytes) {
 
 /// A scene with something in every array.
 CompiledScene compile_everything() {
-  Image sky{4, 2, {0, 0, 4, 2}, PixelFormat::rgb8, {}};
+  Image sky{4, 2, {0, 0, 4, 2}, make_pixel_layout(PixelFormat::rgb8), {}};
   for (int i = 0; i < 24; ++i) sky.pixels.push_back(static_cast<std::byte>(10 * i));
   write_image(test::write_temporary("sky.png", ""), sky, {});
   test::write_temporary("lamp.ies", "TILT=NONE\n1 1 1 2 1 1 1 0 0 0\n1 1 1\n0 180\n0\n5 7\n");

@@ -77,7 +77,7 @@ TEST(Textures, ImagesAreReadInterpolatedAndHalved) {
   image.width_px = 4;
   image.height_px = 2;
   image.window = {0, 0, 4, 2};
-  image.format = PixelFormat::rgb8;
+  image.layout = make_pixel_layout(PixelFormat::rgb8);
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 4; ++x)
       for (int c = 0; c < 3; ++c) image.pixels.push_back(static_cast<std::byte>(x < 2 ? 255 : 0));

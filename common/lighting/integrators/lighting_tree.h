@@ -41,6 +41,8 @@ struct Fork {
   uint32_t pending = 0;                ///< how many of its branches are on their way
   Color color;                         ///< without its branches' light
   Color transmitted{0}, reflected{0};  ///< what branches brought
+
+  Color sum() const { return color + transmitted + reflected; }
 };
 static_assert(std::is_trivially_copyable_v<Fork>);
 
@@ -106,16 +108,16 @@ class LightingTree {
           receiver.share * color;
       if (--fork.pending > 0) return std::nullopt;
       forks_.release(receiver.fork);
-      color = fork.color + fork.transmitted + fork.reflected;
+      color = fork.sum();
       receiver = fork.receiver;
     }
   }
   /// The same for something of the model's own that a fork waited for.
   std::optional<Delivery> settle(uint32_t place) {
-    const Fork& fork = forks_[place];
-    if (--forks_[place].pending > 0) return std::nullopt;
+    Fork& fork = forks_[place];
+    if (--fork.pending > 0) return std::nullopt;
     forks_.release(place);
-    return deliver(fork.receiver, fork.color + fork.transmitted + fork.reflected);
+    return deliver(fork.receiver, fork.sum());
   }
 
  private:

@@ -207,9 +207,11 @@ class ThesisTracer {
     const uint32_t part = permuted(sample, samples(), static_cast<uint64_t>(r[1] * 0x1p53));
     const uint32_t place = gatherings_.add(fork, depth, part, branch, surface, turn, share);
     Gathering& gathering = gatherings_[place];
-    gathering.mirror = secondary.reflected;
-    gathering.reflect = secondary.reflect;
-    if (secondary.is_reflected) gathering.both = ray_about_mirror(gathering);
+    if (secondary.is_reflected) {
+      gathering.mirror = secondary.reflected;
+      gathering.reflect = secondary.reflect;
+      gathering.both = ray_about_mirror(gathering);
+    }
     ++tree_[fork].pending;
     ready_.push_back(place);
     return gathering.both != kNone;
