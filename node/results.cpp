@@ -7,10 +7,6 @@
 namespace rayfarm {
 namespace {
 
-uint16_t processor_of(NodeId node) {
-  return static_cast<uint16_t>(node.value() - 1);
-}
-
 void send_pixels(Transport& transport, NodeId self, const DisplayPolygon& polygon,
                  const SubpolygonReport& report, const Bytes& pixels) {
   ByteWriter writer;

@@ -20,6 +20,10 @@ const char* name_of(Command command);
 /// Processors are numbered from 0; the largest id means all of them.
 inline constexpr int kMostProcessors = 16'383;
 inline constexpr uint16_t kAllProcessors = 16'383;
+/// The processor that a node is.
+constexpr uint16_t processor_of(NodeId node) {
+  return static_cast<uint16_t>(node.value() - 1);
+}
 
 struct CommandWord {
   Command command = Command::load_code;

@@ -249,8 +249,7 @@ void FarmHost::carry_out(const AssignItem& assign) {
   if (selected != step) transport_.send(assign.node, SelectStep{step});
   selected = step;
   transport_.send(assign.node, Channel::command,
-                  encode_display_polygon(static_cast<uint16_t>(assign.node.value() - 1),
-                                         pictures_.polygon_of(assign.item)));
+                  encode_display_polygon(processor_of(assign.node), pictures_.polygon_of(assign.item)));
 }
 
 void FarmHost::carry_out(const OpenedSteps& opened) {
