@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
-#include "common/image/half_float.h"
 #include "common/math/portable_math.h"
 
 namespace rayfarm {
@@ -49,41 +47,6 @@ uint8_t encode_srgb8(double linear) {
 
 double decode_srgb8(uint8_t byte) {
   return decode_srgb(byte / 255.0);
-}
-
-void encode_value(PixelFormat format, double value, std::byte* out) {
-  switch (format) {
-    case PixelFormat::rgb8:
-      *out = static_cast<std::byte>(encode_srgb8(value));
-      break;
-    case PixelFormat::half_float: {
-      const uint16_t bits = half_of_float(value);
-      out[0] = static_cast<std::byte>(bits & 0xff);
-      out[1] = static_cast<std::byte>(bits >> 8);
-      break;
-    }
-    case PixelFormat::float32: {
-      const auto bits = std::bit_cast<uint32_t>(static_cast<float>(value));
-      for (size_t i = 0; i < 4; ++i) out[i] = static_cast<std::byte>(bits >> (8 * i) & 0xff);
-      break;
-    }
-  }
-}
-
-double decode_value(PixelFormat format, const std::byte* in) {
-  switch (format) {
-    case PixelFormat::rgb8:
-      return decode_srgb8(static_cast<uint8_t>(*in));
-    case PixelFormat::half_float:
-      return float_of_half(
-          static_cast<uint16_t>(static_cast<unsigned>(in[0]) | static_cast<unsigned>(in[1]) << 8));
-    case PixelFormat::float32: {
-      uint32_t bits = 0;
-      for (size_t i = 0; i < 4; ++i) bits |= static_cast<uint32_t>(in[i]) << (8 * i);
-      return static_cast<double>(std::bit_cast<float>(bits));
-    }
-  }
-  return 0;
 }
 
 }  // namespace rayfarm

@@ -26,9 +26,4 @@ double decode_srgb8(uint8_t byte);
 /// The linear value of an encoded one in [0, 1].
 double decode_srgb(double encoded);
 
-/// Writes a linear value at `out`, which has bytes_of(format) bytes.
-void encode_value(PixelFormat format, double value, std::byte* out);
-/// The linear value that the bytes at `in` stand for.
-double decode_value(PixelFormat format, const std::byte* in);
-
 }  // namespace rayfarm

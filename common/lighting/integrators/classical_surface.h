@@ -33,6 +33,7 @@ struct ClassicalSurface {
 
   Color light() const { return color * diffuse + specular; }
   Interaction interaction() const { return interaction_at(surface, direction, *material); }
+  bool has_secondary_rays() const { return material->reflect > 0 || material->transmit > 0; }
   void add_ambient_and_emission(const Scene& scene) {
     diffuse = material->ambient * scene.head().ambient;
     if (is_luminaire(*material)) specular += emitted(*material, interaction());

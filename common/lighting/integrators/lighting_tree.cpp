@@ -5,7 +5,6 @@ namespace rayfarm {
 SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, double min_weight) {
   const Material& material = *surface.material;
   SecondaryRays rays;
-  if (!(material.reflect > 0) && !(material.transmit > 0)) return rays;
   const Interaction at = surface.interaction();
   rays.reflect = material.reflect;
   rays.transmit = material.transmit;
@@ -31,7 +30,7 @@ Batch LightingTree::plant(std::span<const Ray> rays, std::span<const SampleId> i
   Batch batch(1);
   for (size_t i = 0; i < rays.size(); ++i) {
     batch.rays.push_back(rays[i]);
-    Branch& branch = batch.branches.push_back({});
+    Branch& branch = batch.branches.emplace_back();
     branch.receiver.place = static_cast<uint32_t>(i);
     branch.id = ids[i];
     branch.spread = spread;

@@ -61,10 +61,9 @@ struct SecondaryRays {
   double transmit = 0, reflect = 0;                   ///< its share
 };
 
-/// Empty for a surface that neither reflects nor transmits. One that transmits also spawns a reflected ray,
-/// even one of weight 0 if there is no cut-off: that is how published ray counts were made. Total internal
-/// reflection sends the transmitted share along the mirror direction. `weight`: of the ray that met the
-/// surface.
+/// Those of a surface that has any. One that transmits also spawns a reflected ray, even one of weight 0 if
+/// there is no cut-off: that is how published ray counts were made. Total internal reflection sends the
+/// transmitted share along the mirror direction. `weight`: of the ray that met the surface.
 SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, double min_weight);
 
 class LightingTree {

@@ -176,7 +176,9 @@ class ThesisTracer {
 
   /// All rays that leave a surface. False: there are none.
   bool add_rays(const Branch& branch, const ClassicalSurface& surface, Batch& transmitted, Batch& reflected) {
-    SecondaryRays secondary = secondary_rays(surface, branch.weight, settings_.min_weight);
+    SecondaryRays secondary;
+    if (surface.has_secondary_rays())
+      secondary = secondary_rays(surface, branch.weight, settings_.min_weight);
     const Color share = (surface.material->diffuse / settings_.diffuse_rays) * surface.color;
     const bool is_gathered =
         max_component(share) > 0 && branch.weight * max_component(share) >= settings_.min_weight;

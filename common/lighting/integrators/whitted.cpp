@@ -40,7 +40,7 @@ class WhittedIntegrator : public Integrator {
     for (size_t k = 0; k < surfaces.size(); ++k) {
       const Branch& branch = batch.branches[ray_of_surface[k]];
       SecondaryRays secondary;
-      if (batch.depth < settings.max_depth)
+      if (batch.depth < settings.max_depth && surfaces[k].has_secondary_rays())
         secondary = secondary_rays(surfaces[k], branch.weight, settings.min_weight);
       if (!secondary.is_transmitted && !secondary.is_reflected) {
         tree_.deliver(branch.receiver, surfaces[k].light());
