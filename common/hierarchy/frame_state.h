@@ -11,12 +11,13 @@ namespace rayfarm {
 class Pose {
  public:
   Pose(const Scene& scene, std::span<const InstancePose> moving, std::span<const VolumeNode> moving_nodes)
-      : instances_(scene.instances.data()),
+      : instances_(scene.moving_instances.empty() ? nullptr : scene.instances.data()),
         fixed_(scene.poses.data()),
         moving_(moving.data()),
         moving_nodes_(moving_nodes.data()) {}
 
   const InstancePose& operator[](uint32_t instance) const {
+    if (!instances_) return fixed_[instance];
     const uint32_t moving = instances_[instance].moving;
     return moving == kNone ? fixed_[instance] : moving_[moving];
   }
@@ -24,7 +25,7 @@ class Pose {
   const VolumeNode* moving_nodes() const { return moving_nodes_; }
 
  private:
-  const Instance* instances_;
+  const Instance* instances_;  ///< null if none moves
   const InstancePose *fixed_, *moving_;
   const VolumeNode* moving_nodes_;
 };

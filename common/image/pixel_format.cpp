@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
+#include "common/image/half_float.h"
 #include "common/math/portable_math.h"
 
 namespace rayfarm {
@@ -13,36 +15,54 @@ double decode_srgb(double encoded) {
 
 namespace {
 
-/// thresholds[i]: the smallest linear value that rounds to byte i + 1.
-const std::array<double, 255>& thresholds() {
-  static const std::array<double, 255> table = [] {
-    std::array<double, 255> t{};
-    for (size_t i = 0; i < t.size(); ++i) t[i] = decode_srgb((static_cast<double>(i) + 0.5) / 255);
-    return t;
-  }();
-  return table;
-}
+/// How bytes are found without a power: made once, before main.
+struct SrgbTable {
+  /// The first guess is the byte at the lower end of one of these equal steps; at most a few bytes lie in a
+  /// step.
+  static constexpr size_t kSteps = 4096;
+  std::array<double, 255> thresholds;  ///< [i]: the smallest linear value that rounds to byte i + 1
+  std::array<uint8_t, kSteps> guesses;
+
+  SrgbTable() {
+    for (size_t i = 0; i < thresholds.size(); ++i)
+      thresholds[i] = decode_srgb((static_cast<double>(i) + 0.5) / 255);
+    for (size_t i = 0; i < kSteps; ++i)
+      guesses[i] = static_cast<uint8_t>(
+          std::upper_bound(thresholds.begin(), thresholds.end(), static_cast<double>(i) / kSteps) -
+          thresholds.begin());
+  }
+};
+const SrgbTable srgb;
 
 }  // namespace
 
 uint8_t encode_srgb8(double linear) {
   if (!(linear > 0)) return 0;
-  // The first guess is the byte at the lower end of one of these equal steps; at most a few bytes lie in a
-  // step.
-  constexpr size_t kSteps = 4096;
-  static const std::array<uint8_t, kSteps> guesses = [] {
-    const auto& t = thresholds();
-    std::array<uint8_t, kSteps> table{};
-    for (size_t i = 0; i < kSteps; ++i)
-      table[i] = static_cast<uint8_t>(std::upper_bound(t.begin(), t.end(), static_cast<double>(i) / kSteps) -
-                                      t.begin());
-    return table;
-  }();
-  static const auto& t = thresholds();
   if (linear >= 1) return 255;
-  size_t byte = guesses[static_cast<size_t>(linear * kSteps)];
-  while (byte < t.size() && t[byte] <= linear) ++byte;
+  size_t byte = srgb.guesses[static_cast<size_t>(linear * SrgbTable::kSteps)];
+  while (byte < srgb.thresholds.size() && srgb.thresholds[byte] <= linear) ++byte;
   return static_cast<uint8_t>(byte);
+}
+
+void encode_values(PixelFormat format, std::span<const double> values, std::byte* out) {
+  switch (format) {
+    case PixelFormat::rgb8:
+      for (const double value : values) *out++ = static_cast<std::byte>(encode_srgb8(value));
+      break;
+    case PixelFormat::half_float:
+      for (const double value : values) {
+        const uint16_t bits = half_of_float(value);
+        *out++ = static_cast<std::byte>(bits & 0xff);
+        *out++ = static_cast<std::byte>(bits >> 8);
+      }
+      break;
+    case PixelFormat::float32:
+      for (const double value : values) {
+        const auto bits = std::bit_cast<uint32_t>(static_cast<float>(value));
+        for (size_t i = 0; i < 4; ++i) *out++ = static_cast<std::byte>(bits >> (8 * i) & 0xff);
+      }
+      break;
+  }
 }
 
 double decode_srgb8(uint8_t byte) {

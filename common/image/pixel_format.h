@@ -3,6 +3,7 @@
 // wire and every file sees the same bytes.
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace rayfarm {
 
@@ -22,6 +23,9 @@ constexpr const char* name_of(PixelFormat format) {
 uint8_t encode_srgb8(double linear);
 /// The linear value that an sRGB byte stands for.
 double decode_srgb8(uint8_t byte);
+
+/// Writes linear values at `out`, one after the other.
+void encode_values(PixelFormat format, std::span<const double> values, std::byte* out);
 
 /// The linear value of an encoded one in [0, 1].
 double decode_srgb(double encoded);

@@ -32,8 +32,6 @@ struct PixelLayout {
 /// The one list of channels: linear Rec.709 colour in the format that the user asks for.
 PixelLayout make_pixel_layout(PixelFormat color);
 
-/// Writes one pixel at `out`, which has layout.bytes bytes: `values` linear, in the order of the channels.
-void encode_pixel(const PixelLayout& layout, std::span<const double> values, std::byte* out);
 /// The linear value of a pixel's channel.
 double decode_value(const PixelChannel& channel, const std::byte* pixel);
 

@@ -25,7 +25,7 @@ Image make_crop(PixelFormat format) {
   std::byte* out = image.pixels.data();
   for (int64_t i = 0; i < image.window.area(); ++i, out += image.layout.bytes) {
     const double x = static_cast<double>(i * 7919 % 3500) / 3500;
-    encode_pixel(image.layout, std::array{x, 1 - x, x * x}, out);
+    encode_values(image.layout.channels[0].format, std::array{x, 1 - x, x * x}, out);
   }
   return image;
 }

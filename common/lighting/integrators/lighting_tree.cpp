@@ -20,14 +20,11 @@ SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, dou
   return rays;
 }
 
-Batch LightingTree::plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread,
-                          Color* colors) {
+void LightingTree::plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread,
+                         Color* colors) {
   forks_.clear();
-  batches_.clear();
-  rays_.clear();
-  branches_.clear();
   colors_ = colors;
-  Batch batch(1);
+  Batch& batch = begin_batch(1);
   for (size_t i = 0; i < rays.size(); ++i) {
     batch.rays.push_back(rays[i]);
     Branch& branch = batch.branches.emplace_back();
@@ -35,7 +32,6 @@ Batch LightingTree::plant(std::span<const Ray> rays, std::span<const SampleId> i
     branch.id = ids[i];
     branch.spread = spread;
   }
-  return batch;
 }
 
 Branch& LightingTree::grow(const Branch& from, const Surface& surface, const Vec3& direction, double share,
@@ -59,26 +55,6 @@ void LightingTree::grow_secondary(uint32_t fork, const Branch& from, const Surfa
         Receiver::Kind::reflected, fork, 0, rays.reflect};
     ++forks_[fork].pending;
   }
-}
-
-void LightingTree::push(const Batch& batch) {
-  if (batch.rays.empty()) return;
-  batches_.push_back({batch.depth, static_cast<uint32_t>(batch.rays.size())});
-  rays_.insert(rays_.end(), batch.rays.begin(), batch.rays.end());
-  branches_.insert(branches_.end(), batch.branches.begin(), batch.branches.end());
-}
-
-Batch LightingTree::pop() {
-  const auto [depth, count] = batches_.back();
-  batches_.pop_back();
-  Batch batch(depth);
-  for (size_t i = rays_.size() - count; i < rays_.size(); ++i) {
-    batch.rays.push_back(rays_[i]);
-    batch.branches.push_back(branches_[i]);
-  }
-  rays_.resize(rays_.size() - count);
-  branches_.resize(branches_.size() - count);
-  return batch;
 }
 
 }  // namespace rayfarm

@@ -4,8 +4,8 @@
 // which batches are traced: a fork adds up what its branches brought in the order of their kinds, once all
 // have. The last batch in is the first out, so that few wait: a transmitted and a reflected one at each
 // depth, and what a model adds.
+#include <deque>
 #include <optional>
-#include <vector>
 
 #include "common/lighting/integrators/classical_surface.h"
 #include "common/lighting/integrators/pool.h"
@@ -48,8 +48,7 @@ static_assert(std::is_trivially_copyable_v<Fork>);
 
 /// Rays of one depth to trace.
 struct Batch {
-  explicit Batch(uint32_t at_depth) : depth(at_depth) {}
-  uint32_t depth;  ///< 1: eye rays
+  uint32_t depth = 1;  ///< of eye rays
   OfPacket<Ray> rays;
   OfPacket<Branch> branches;
 };
@@ -69,7 +68,7 @@ SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, dou
 class LightingTree {
  public:
   /// Begins anew with eye rays, the first batch; `colors` are set as what they see is known.
-  Batch plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors);
+  void plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors);
 
   /// Numbers of the rays that leave a surface, which tell them apart; from kFirstOwn on they are the model's.
   enum Child : uint32_t { kTransmitted = 1, kReflected, kFirstOwn };
@@ -84,10 +83,23 @@ class LightingTree {
   void grow_secondary(uint32_t fork, const Branch& from, const Surface& surface, const SecondaryRays& rays,
                       Batch& transmitted, Batch& reflected);
 
-  /// To be traced before all others.
-  void push(const Batch& batch);
-  bool has_batch() const { return !batches_.empty(); }
-  Batch pop();
+  /// An empty batch, to be filled, that is traced before all there are. It stays where it is until it is
+  /// traced, and so do the others.
+  Batch& begin_batch(uint32_t depth) {
+    if (batch_count_ == batches_.size()) batches_.emplace_back();
+    Batch& batch = batches_[batch_count_++];
+    batch.depth = depth;
+    return batch;
+  }
+  /// The batch to trace next, null at the end. Whoever has traced it ends it.
+  Batch* next_batch() {
+    while (batch_count_ > 0 && batches_[batch_count_ - 1].rays.empty()) --batch_count_;
+    return batch_count_ > 0 ? &batches_[batch_count_ - 1] : nullptr;
+  }
+  static void end(Batch& batch) {
+    batch.rays.clear();
+    batch.branches.clear();
+  }
 
   /// What comes to something of the model's own.
   struct Delivery {
@@ -120,13 +132,9 @@ class LightingTree {
   }
 
  private:
-  struct Waiting {
-    uint32_t depth, count;
-  };
   Pool<Fork> forks_;
-  std::vector<Waiting> batches_;
-  std::vector<Ray> rays_;         ///< of all batches, one after the other
-  std::vector<Branch> branches_;  ///< each ray's
+  std::deque<Batch> batches_;  ///< the first `batch_count_` of them: what lies under others may have ended
+  size_t batch_count_ = 0;
   Color* colors_ = nullptr;
 };
 

@@ -82,14 +82,15 @@ class ThesisTracer {
   size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids, Color* colors) {
     gatherings_.clear();
     ready_.clear();
-    const size_t eye_hits = trace(tree_.plant(rays, ids, context_.spread, colors));
+    tree_.plant(rays, ids, context_.spread, colors);
+    const size_t eye_hits = trace(*tree_.next_batch());
     while (true) {
       if (!ready_.empty()) {
         const uint32_t next = ready_.back();
         ready_.pop_back();
         resume(next);
-      } else if (tree_.has_batch()) {
-        trace(tree_.pop());
+      } else if (Batch* const batch = tree_.next_batch()) {
+        trace(*batch);
       } else {
         return eye_hits;
       }
@@ -98,8 +99,9 @@ class ThesisTracer {
 
  private:
   /// Returns how many rays met an object.
-  size_t trace(Batch batch) {
-    std::array<Hit, kMostPacketRays> hits;
+  size_t trace(Batch& batch) {
+    OfPacket<Hit> hits;
+    hits.resize_for_overwrite(batch.rays.size());
     closest_hits(scene_, context_.pose, batch.rays.span(), hits.data());
     OfPacket<ClassicalSurface> surfaces;
     OfPacket<size_t> ray_of_surface;
@@ -119,20 +121,25 @@ class ThesisTracer {
       ray->distance = hits[i].t;
       if (!ray->serves_both) branch.weight *= strength(ray->distance);
     }
-    if (surfaces.empty()) return 0;
-    add_direct_light(context_, {.has_reflected_rays = true}, surfaces.span(), counts_);
+    if (!surfaces.empty()) {
+      add_direct_light(context_, {.has_reflected_rays = true}, surfaces.span(), counts_);
+      follow_others(batch, surfaces.span(), ray_of_surface.span());
+    }
+    LightingTree::end(batch);
+    return surfaces.size();
+  }
 
-    Batch transmitted(batch.depth + 1), reflected(batch.depth + 1);
+  /// The rays that leave surfaces; `ray_of`: the ray of the batch that met each.
+  void follow_others(const Batch& batch, std::span<const ClassicalSurface> surfaces,
+                     std::span<const size_t> ray_of) {
+    Batch &reflected = tree_.begin_batch(batch.depth + 1), &transmitted = tree_.begin_batch(batch.depth + 1);
     for (size_t k = 0; k < surfaces.size(); ++k) {
-      const Branch& branch = batch.branches[ray_of_surface[k]];
+      const Branch& branch = batch.branches[ray_of[k]];
       if (batch.depth == settings_.max_depth || !add_rays(branch, surfaces[k], transmitted, reflected))
         take(tree_.deliver(branch.receiver, surfaces[k].light()));
     }
     counts_[RayKind::transmitted] += transmitted.rays.size();
     counts_[RayKind::reflected] += reflected.rays.size();
-    tree_.push(reflected);
-    tree_.push(transmitted);
-    return surfaces.size();
   }
 
   /// The ray of a gathering, if it is one's.
@@ -262,21 +269,20 @@ class ThesisTracer {
 
   void send_packet(uint32_t place) {
     Gathering& gathering = gatherings_[place];
-    Batch batch(gathering.depth);
+    Batch& batch = tree_.begin_batch(gathering.depth);
     for (; gathering.next < settings_.diffuse_rays && !batch.rays.is_full(); ++gathering.next) {
       const bool serves_both = gathering.next == gathering.both;
       send(place, batch.rays.size(), serves_both ? gathering.mirror : direction_of(gathering, gathering.next),
            serves_both, LightingTree::kFirstOwn + gathering.next, batch);
     }
     gathering.count = static_cast<uint32_t>(batch.rays.size());
-    tree_.push(batch);
   }
 
   /// One more ray between neighbours that differ (3.3). False: there are none.
   bool send_extras(uint32_t place) {
     Gathering& gathering = gatherings_[place];
     const uint32_t first = gathering.next - gathering.count;
-    Batch batch(gathering.depth);
+    Batch& batch = tree_.begin_batch(gathering.depth);
     for (uint32_t k = 0; k < gathering.count; ++k) {
       if (first + k == 0) continue;
       const GatheringRay &a = before(gathering, k), &b = gathering.rays[k];
@@ -288,7 +294,6 @@ class ThesisTracer {
       send(place, kMostPacketRays + k, normalized(a.direction + b.direction), false,
            LightingTree::kFirstOwn + settings_.diffuse_rays + first + k, batch);
     }
-    tree_.push(batch);
     return !batch.rays.empty();
   }
 

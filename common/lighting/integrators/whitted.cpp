@@ -10,14 +10,16 @@ class WhittedIntegrator : public Integrator {
  private:
   size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
-    const size_t eye_hits = trace(context, tree_.plant(rays, ids, context.spread, colors), counts);
-    while (tree_.has_batch()) trace(context, tree_.pop(), counts);
+    tree_.plant(rays, ids, context.spread, colors);
+    const size_t eye_hits = trace(context, *tree_.next_batch(), counts);
+    while (Batch* const batch = tree_.next_batch()) trace(context, *batch, counts);
     return eye_hits;
   }
 
   /// Returns how many rays met an object.
-  size_t trace(const FrameContext& context, Batch batch, RayCounts& counts) {
-    std::array<Hit, kMostPacketRays> hits;
+  size_t trace(const FrameContext& context, Batch& batch, RayCounts& counts) {
+    OfPacket<Hit> hits;
+    hits.resize_for_overwrite(batch.rays.size());
     closest_hits(context.scene, context.pose, batch.rays.span(), hits.data());
     OfPacket<ClassicalSurface> surfaces;
     OfPacket<size_t> ray_of_surface;
@@ -32,13 +34,22 @@ class WhittedIntegrator : public Integrator {
           .add_ambient_and_emission(context.scene);
       ray_of_surface.push_back(i);
     }
-    if (surfaces.empty()) return 0;
-    add_direct_light(context, {.has_reflected_rays = true}, surfaces.span(), counts);
+    if (!surfaces.empty()) {
+      add_direct_light(context, {.has_reflected_rays = true}, surfaces.span(), counts);
+      follow_secondary(context, batch, surfaces.span(), ray_of_surface.span(), counts);
+    }
+    LightingTree::end(batch);
+    return surfaces.size();
+  }
 
+  /// `ray_of`: the ray of the batch that met each surface.
+  void follow_secondary(const FrameContext& context, const Batch& batch,
+                        std::span<const ClassicalSurface> surfaces, std::span<const size_t> ray_of,
+                        RayCounts& counts) {
     const RenderSettings& settings = context.tables.settings;
-    Batch transmitted(batch.depth + 1), reflected(batch.depth + 1);
+    Batch &reflected = tree_.begin_batch(batch.depth + 1), &transmitted = tree_.begin_batch(batch.depth + 1);
     for (size_t k = 0; k < surfaces.size(); ++k) {
-      const Branch& branch = batch.branches[ray_of_surface[k]];
+      const Branch& branch = batch.branches[ray_of[k]];
       SecondaryRays secondary;
       if (batch.depth < settings.max_depth && surfaces[k].has_secondary_rays())
         secondary = secondary_rays(surfaces[k], branch.weight, settings.min_weight);
@@ -51,9 +62,6 @@ class WhittedIntegrator : public Integrator {
     }
     counts[RayKind::transmitted] += transmitted.rays.size();
     counts[RayKind::reflected] += reflected.rays.size();
-    tree_.push(reflected);
-    tree_.push(transmitted);
-    return surfaces.size();
   }
 
   LightingTree tree_;
