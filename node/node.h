@@ -43,7 +43,7 @@ enum class NodeEnding {
 NodeEnding run_node(Transport& transport, NodeId self, const LoadScene& load_scene,
                     const MakeWorker& make_worker);
 
-/// The worker that traces: of any phase, by the scene's renderer. `plan` and `phase` must outlive it.
+/// The worker that traces the pictures' phase with the scene's renderer. `plan` and `phase` must outlive it.
 std::unique_ptr<PhaseWorker> make_scene_worker(const JobPlan& plan, const Phase& phase,
                                                std::span<const std::byte> scene);
 

@@ -1,5 +1,7 @@
 #include "protocol/job_plan.h"
 
+#include <limits>
+
 namespace rayfarm {
 namespace {
 // Times and factors travel as whole numbers.
@@ -30,6 +32,9 @@ PicturesPhase read_pictures(ByteReader& r, size_t plan_bytes) {
   }
   if (g.columns < 1 || g.rows < 1 || g.width < g.columns || g.height < g.rows)
     throw ProtocolError("a plan's grid is empty");
+  if (int64_t{g.columns} * g.rows > std::numeric_limits<int>::max() || g.left + g.width > 65536 ||
+      g.top + g.height > 65536)
+    throw ProtocolError("a plan's grid is out of range");
   return phase;
 }
 

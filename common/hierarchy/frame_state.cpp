@@ -64,7 +64,7 @@ void refit(const Scene& scene, std::span<const InstancePose> moving, std::span<V
 }
 
 Pose FrameState::at(double frame) {
-  if (scene_.moving_instances.empty()) return {scene_, {}, {}};
+  if (scene_.moving_instances.empty()) return {scene_, {}, scene_.moving_nodes};
   const std::vector<Affine> world = world_transforms(scene_, frame);
   moving_.clear();
   for (const uint32_t i : scene_.moving_instances) {

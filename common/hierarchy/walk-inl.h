@@ -289,7 +289,8 @@ HWY_INLINE bool search_for_one(const Scene& scene, const Pose& pose, const Prepa
   });
 }
 
-/// Walks the parts of a leaf of the object part with those rays of a bundle that meet it.
+/// Walks the parts of a leaf of the object part with a bundle; `rays`: those that meet it, which alone are
+/// moved into the space of an instance.
 template <typename Search>
 HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const ChildRef& leaf,
                                  const Bundle<Search>& world, const Packet& world_packet, uint32_t rays) {

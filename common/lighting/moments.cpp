@@ -14,13 +14,13 @@ bool moves(const Scene& scene) {
 
 std::span<const Moment> Moments::at(int frame, const RenderSettings& settings) {
   const size_t count = settings.shutter > 0 && moves(scene_) ? kMoments : 1;
-  while (poses_.size() < count) poses_.emplace_back(scene_);
+  while (states_.size() < count) states_.emplace_back(scene_);
   moments_.clear();
   for (size_t i = 0; i < count; ++i) {
     const double time =
         frame + settings.shutter * (count > 1 ? (static_cast<double>(i) + 0.5) / kMoments : 0);
     moments_.push_back(
-        {poses_[i].at(time), make_camera(scene_, time, settings.width_px, settings.height_px)});
+        {states_[i].at(time), make_camera(scene_, time, settings.width_px, settings.height_px)});
   }
   return moments_;
 }

@@ -30,7 +30,7 @@ class Moments {
 
  private:
   Scene scene_;
-  std::deque<FrameState> poses_;
+  std::deque<FrameState> states_;
   std::vector<Moment> moments_;
 };
 

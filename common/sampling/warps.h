@@ -31,9 +31,6 @@ struct Frame {
   Vec3 to_world(const Vec3& local) const {
     return local.x * tangent + local.y * bitangent + local.z * normal;
   }
-  Vec3 to_local(const Vec3& world) const {
-    return {glm::dot(world, tangent), glm::dot(world, bitangent), glm::dot(world, normal)};
-  }
 };
 
 }  // namespace rayfarm

@@ -275,6 +275,8 @@ void check_motion(const Scene& s) {
     require(i.object_node < s.object_nodes.size() && i.part < s.parts.size() &&
                 (i.moving == kNone || i.moving < s.moving_instances.size()),
             "an instance");
+  require(!s.moving_instances.empty() || s.head().moving_root.kind() == ChildKind::empty,
+          "boxes over what moves where nothing does");
   for (size_t m = 0; m < s.moving_instances.size(); ++m)
     require(s.moving_instances[m] < s.instances.size() && s.instances[s.moving_instances[m]].moving == m,
             "a moving instance");

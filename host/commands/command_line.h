@@ -25,7 +25,7 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What few options are beside what all are.
+/// What can be said of an option once it is added.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}

@@ -219,7 +219,7 @@ void FarmHost::keep_result(NodeId node, const SubpolygonReport& report, std::spa
     ++result_.duplicates;
     return;
   }
-  FrameState& frame = frames_[pictures_.frame_of(item).place()];
+  FrameBuffer& frame = frames_[pictures_.frame_of(item).place()];
   if (!frame.is_begun) {
     frame.pixels.resize(static_cast<size_t>(window.area()) * pixel_bytes);
     frame.is_begun = true;

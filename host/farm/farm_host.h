@@ -38,7 +38,7 @@ class FarmHost {
   void run();
 
  private:
-  struct FrameState {
+  struct FrameBuffer {
     std::vector<std::byte> pixels;
     bool is_begun = false;
   };
@@ -76,7 +76,7 @@ class FarmHost {
   Assignment assignment_;
   Progress progress_;
   std::map<FrameNumber, FrameIndex> index_of_frame_;
-  std::vector<FrameState> frames_;
+  std::vector<FrameBuffer> frames_;
   std::vector<std::vector<PixelResult>> pixels_of_node_;  ///< pixel wire: of the subpolygon being returned
   std::vector<std::optional<StepIndex>> step_of_node_;    ///< the step last selected at each node
   bool is_waiting_for_any_ = false;                       ///< all nodes are lost, and it was told

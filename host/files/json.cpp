@@ -59,6 +59,7 @@ JsonView JsonView::at(const std::string& name) const {
   return translated([&] { return JsonView({value_, &value_of(value_).at(name)}); });
 }
 size_t JsonView::size() const {
+  if (!value_of(value_).is_structured()) throw JsonError("a list was expected");
   return value_of(value_).size();
 }
 double JsonView::number() const {

@@ -178,7 +178,7 @@ class Render {
       if (!options_.stats.empty())
         write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
       if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, pictures_of(plan).grid);
-    } catch (const IoError& e) {
+    } catch (const std::runtime_error& e) {  // IoError, or a name that is no text
       log_->error(e.what());
       is_told = false;
     }

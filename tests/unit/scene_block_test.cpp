@@ -175,6 +175,21 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
         return t.normals = {0, kNone, kNone}, true;
       },
       "a triangle with one normal");
+  expect_refusal<Instance>(
+      compiled, &Scene::instances,
+      [](Instance& instance) { return instance.moving = 1000, instance.part == 0; }, "a moving instance");
+  expect_refusal<uint32_t>(
+      compiled, &Scene::moving_instances, [](uint32_t& instance) { return instance = 0, true; },
+      "an instance that says that it does not move");
+  expect_refusal<Part>(
+      compiled, &Scene::parts, [](Part& part) { return part.structure = Structure{2}, true; },
+      "a part of no structure");
+  Scene at_rest = compiled.scene;
+  at_rest.moving_instances = {};
+  std::vector<Instance> instances(at_rest.instances.begin(), at_rest.instances.end());
+  for (Instance& instance : instances) instance.moving = kNone;
+  at_rest.instances = instances;
+  EXPECT_THROW(decode_scene(encode_scene(at_rest).bytes()), SceneBlockError) << "boxes over nothing";
   expect_refusal<Texture>(
       compiled, &Scene::textures,
       [](Texture& t) {
@@ -212,8 +227,8 @@ TEST(SceneBlock, TreesAreNoDeeperThanATraverserCanGoAndNoNodeHasTwoParents) {
   };
   const SceneBlock deepest = encode_chain(kMostHierarchyLevels - 1, 1);
   const Scene scene = decode_scene(deepest.bytes());
-  FrameState pose(scene);
-  EXPECT_TRUE(closest_hit(scene, pose.at(0), {{0, 0, 5}, {0, 0, -1}}).is_hit());
+  FrameState state(scene);
+  EXPECT_TRUE(closest_hit(scene, state.at(0), {{0, 0, 5}, {0, 0, -1}}).is_hit());
   EXPECT_THROW(decode_scene(encode_chain(kMostHierarchyLevels, 1).bytes()), SceneBlockError);
   EXPECT_THROW(decode_scene(encode_chain(10, 2).bytes()), SceneBlockError) << "2^10 ways to one leaf";
 }

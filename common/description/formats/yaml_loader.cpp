@@ -223,9 +223,10 @@ class Loader {
     }
     if (contents != 1) {
       map.finish();  // an unknown key is the likelier mistake
+      std::string words;
+      for (const YamlShape& shape : yaml_shapes()) words += fmt::format("{}, ", shape.key);
       value.fail(contents == 0
-                     ? "an object needs one of: sphere, polygon, triangles, box, cylinder, cone, quadric, "
-                       "mesh, group, use"
+                     ? fmt::format("an object needs one of: {}mesh, group, use", words)
                      : "an object can hold only one shape, group or use; make each an entry of its own");
     }
   }

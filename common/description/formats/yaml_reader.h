@@ -31,7 +31,6 @@ class YamlValue {
   const std::stop_token& stop() const { return budget_->stop; }
   bool is_map() const { return node_.IsMap(); }
   bool is_sequence() const { return node_.IsSequence(); }
-  bool is_null() const { return node_.IsNull(); }
 
   double number() const;  ///< finite and of a sane size
   double number_in(double least, double most) const;

@@ -22,6 +22,7 @@ SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, dou
 
 void LightingTree::plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread,
                          Color* colors) {
+  while (Batch* const left = next_batch()) end(*left);  // of rays whose tracing ended in an exception
   forks_.clear();
   colors_ = colors;
   Batch& batch = begin_batch(1);
