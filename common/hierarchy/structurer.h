@@ -1,5 +1,6 @@
 #pragma once
-// The structurer (Shirley, Sung and Brown's word; of any Structure): turns the builder's leaves into the records that the traverser tests eight at a time.
+// The structurer (Shirley, Sung and Brown's word; of any Structure): turns the builder's leaves into the
+// records that the traverser tests eight at a time.
 #include "common/hierarchy/builder.h"
 #include "common/shapes/sphere.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 // What single rays cost in visits and tests (thesis 4.3, Weghorst, Hooper and Greenberg 1984), for
-// experiments and tests alone: the same walk as closest_hit and any_hit, compiled once more with counters, and the same
-// answers.
+// experiments and tests alone: the same walk as closest_hit and any_hit, compiled once more with counters,
+// and the same answers.
 #include "common/hierarchy/frame_state.h"
 #include "common/hierarchy/hit.h"
 
