@@ -42,6 +42,14 @@ std::string beginning_for(const std::filesystem::path& target) {
   return "." + name.substr(0, room) + after;
 }
 
+/// Also true of a process that nobody has asked yet how it ended: it has no executable any more.
+bool has_ended(pid_t process) {
+  if (kill(process, 0) != 0) return errno == ESRCH;
+  char first;
+  return readlink(fmt::format("/proc/{}/exe", process).c_str(), &first, 1) < 0 && errno == ENOENT &&
+         access("/proc/self", F_OK) == 0;
+}
+
 /// True if `name`, which begins as said above, belongs to a process that is gone.
 bool is_stale(std::string_view name, const std::string& beginning) {
   if (!name.starts_with(beginning) || !name.ends_with(kEnding)) return false;
@@ -54,7 +62,7 @@ bool is_stale(std::string_view name, const std::string& beginning) {
       name.find_first_not_of("0123456789abcdef", 1) != std::string_view::npos)
     return false;  // not a name that is made here
   if (process == getpid()) return name.substr(1, kTokenDigits) != token();
-  return kill(process, 0) != 0 && errno == ESRCH;
+  return has_ended(process);
 }
 
 void remove_stale(const std::filesystem::path& folder, const std::string& beginning) {

@@ -212,13 +212,17 @@ TEST_F(WholeFiles, RemoveWhatDeadProcessesOfThisMachineLeft) {
   const pid_t dead = fork();
   if (dead == 0) _exit(0);
   ASSERT_EQ(waitpid(dead, nullptr, 0), dead);
+  const pid_t not_asked = fork();  // how it ended: its number is still taken
+  if (not_asked == 0) _exit(0);
+  siginfo_t info;
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(not_asked), &info, WEXITED | WNOWAIT), 0);
   char host[HOST_NAME_MAX + 1] = "";
   gethostname(host, sizeof host - 1);
   const std::string random = "0123456789abcdef0";
   const auto part = [&](const std::string& of, const std::string& on, pid_t process) {
     return fmt::format(".{}.{}.{}.{}.part", of, on, process, random);
   };
-  const std::vector<std::string> gone{part("a.txt", host, dead),
+  const std::vector<std::string> gone{part("a.txt", host, dead), part("a.txt", host, not_asked),
                                       part("a.txt", host, getpid())};  // of a process that had our number
   std::vector<std::string> kept{part("a.txt", host, getppid()), part("a.txt", "elsewhere", dead),
                                 part("b.txt", host, dead), fmt::format(".a.txt.{}.{}.part", host, dead)};
@@ -228,6 +232,7 @@ TEST_F(WholeFiles, RemoveWhatDeadProcessesOfThisMachineLeft) {
   kept.push_back("a.txt");
   std::sort(kept.begin(), kept.end());
   EXPECT_EQ(names(), kept);
+  waitpid(not_asked, nullptr, 0);
 }
 
 }  // namespace
