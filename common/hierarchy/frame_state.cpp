@@ -3,7 +3,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "common/hierarchy/builder.h"
 #include "common/scene/animation.h"
 
 namespace rayfarm {

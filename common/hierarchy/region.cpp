@@ -3,8 +3,6 @@
 #include <array>
 #include <vector>
 
-#include "common/hierarchy/builder.h"
-
 namespace rayfarm {
 namespace {
 

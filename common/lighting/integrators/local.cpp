@@ -14,7 +14,8 @@ class LocalIntegrator : public Integrator {
  private:
   size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
-    std::array<Hit, kMostPacketRays> hits;
+    OfPacket<Hit> hits;
+    hits.resize_for_overwrite(rays.size());
     closest_hits(context.scene, context.pose, rays, hits.data());
     OfPacket<ClassicalSurface> surfaces;
     OfPacket<size_t> ray_of_surface;

@@ -55,7 +55,8 @@ class PathTracer {
 
  private:
   void step() {
-    std::array<Hit, kMostPacketRays> hits;
+    OfPacket<Hit> hits;
+    hits.resize_for_overwrite(rays_.size());
     closest_hits(scene_, pose_, rays_.span(), hits.data());
     shadow_rays_.clear();
     shadow_colors_.clear();
