@@ -87,7 +87,8 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
   const RenderSettings usual;
   if (s.lighting != LightingModel::thesis &&
       (s.diffuse_rays != usual.diffuse_rays || s.diffuse_reach != usual.diffuse_reach ||
-       s.diffuse_contrast != usual.diffuse_contrast || s.diffuse_jitter))
+       s.diffuse_contrast != usual.diffuse_contrast || s.diffuse_jitter ||
+       s.diffuse_bands != usual.diffuse_bands || s.diffuse_set != usual.diffuse_set))
     notes.emplace_back("the --diffuse options belong to --lighting thesis, and do nothing here");
   if (options.policy == AssignmentPolicy::on_demand && !options.rotates)
     notes.emplace_back("--no-rotation belongs to --assign interleaved, and does nothing here");

@@ -21,6 +21,7 @@ struct RenderOptions {
   std::optional<std::array<int, 4>> crop;   ///< x0, x1, y0, y1, half-open
   RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
   std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds
+  std::optional<Subpixels> subpixels;       ///< empty: one
   std::optional<uint32_t> max_depth;        ///< empty: by the lighting model
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
