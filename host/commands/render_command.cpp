@@ -6,6 +6,7 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/settings_codec.h"
 #include "host/commands/commands.h"
+#include "host/commands/net_options.h"
 #include "host/render/output_pattern.h"
 #include "host/render/render_options.h"
 
@@ -164,6 +165,7 @@ void add_net(Options& options, RenderOptions& o) {
                  "without mpirun: how many nodes run inside this process (default: one per core)");
   options.number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s,
                  liveness::kMostNodeTimeout_s, "seconds of silence after which a node is lost (default: 8)");
+  add_sets(options, o.sets);
   options.flag("!--no-rotation", o.rotates,
                "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
   options.number("--subpolygons", o.subpolygons_per_processor, 1, 1 << 20,

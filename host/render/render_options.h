@@ -26,7 +26,8 @@ struct RenderOptions {
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;
-  bool rotates = true;  ///< interleaved: sets move on from frame to frame
+  SetPattern sets = SetPattern::lattice;  ///< interleaved
+  bool rotates = true;                    ///< interleaved: sets move on from frame to frame
   int subpolygons_per_processor = kSubpolygonsPerProcessor;
   double ray_time_s = 0;             ///< of emulated processors; 0: none
   std::vector<double> time_factors;  ///< of emulated processors
