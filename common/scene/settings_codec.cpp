@@ -18,7 +18,8 @@ void check_settings(const RenderSettings& settings) {
       settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral20 ||
       settings.pixel_format > PixelFormat::float32)
     throw SettingsError("a choice among the settings does not exist");
-  if (settings.samples < 1 || settings.diffuse_rays < 1 || settings.max_depth > 1000 ||
+  if (settings.samples < 1 || settings.diffuse_rays < 1 || settings.max_depth > kMostDepth ||
+      settings.max_reflections >= kMostDepth || settings.max_transmissions >= kMostDepth ||
       !std::isfinite(settings.shutter) || !std::isfinite(settings.diffuse_reach) ||
       !std::isfinite(settings.diffuse_contrast) || settings.max_depth < 1 || !(settings.min_weight >= 0) ||
       !(settings.shutter >= 0) || !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
