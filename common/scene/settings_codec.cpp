@@ -21,9 +21,10 @@ void check_settings(const RenderSettings& settings) {
     throw SettingsError("a choice among the settings does not exist");
   const auto is_cut = [](uint32_t parts) { return parts >= 1 && parts <= Subpixels::kMost; };
   if (!is_cut(settings.subpixels.columns) || !is_cut(settings.subpixels.rows) || settings.samples < 1 ||
-      settings.diffuse_rays < 1 || settings.max_depth > 1000 || !std::isfinite(settings.shutter) ||
-      !std::isfinite(settings.diffuse_reach) || !std::isfinite(settings.diffuse_contrast) ||
-      settings.max_depth < 1 || !(settings.min_weight >= 0) || !(settings.shutter >= 0) ||
+      settings.diffuse_rays < 1 || settings.max_depth < 1 || settings.max_depth > kMostDepth ||
+      settings.max_reflections >= kMostDepth || settings.max_transmissions >= kMostDepth ||
+      !std::isfinite(settings.shutter) || !std::isfinite(settings.diffuse_reach) ||
+      !std::isfinite(settings.diffuse_contrast) || !(settings.min_weight >= 0) || !(settings.shutter >= 0) ||
       !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
       !(settings.diffuse_contrast >= 0))
     throw SettingsError("a number among the settings is out of range");

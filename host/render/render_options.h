@@ -22,7 +22,8 @@ struct RenderOptions {
   RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
   std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds
   std::optional<Subpixels> subpixels;       ///< empty: one
-  std::optional<uint32_t> max_depth;        ///< empty: by the lighting model
+  /// Limits of the lighting tree; empty: what follows from the others and the lighting model.
+  std::optional<uint32_t> max_depth, max_reflections, max_transmissions;
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;

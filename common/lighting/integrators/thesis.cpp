@@ -184,11 +184,10 @@ class ThesisTracer {
   /// All rays that leave a surface. False: there are none.
   bool add_rays(const Branch& branch, const ClassicalSurface& surface, Batch& transmitted, Batch& reflected) {
     SecondaryRays secondary;
-    if (surface.has_secondary_rays())
-      secondary = secondary_rays(surface, branch.weight, settings_.min_weight);
+    if (surface.has_secondary_rays()) secondary = secondary_rays(surface, branch, settings_);
     const Color share = (surface.material->diffuse / settings_.diffuse_rays) * surface.color;
-    const bool is_gathered =
-        max_component(share) > 0 && branch.weight * max_component(share) >= settings_.min_weight;
+    const bool is_gathered = branch.reflections < settings_.max_reflections && max_component(share) > 0 &&
+                             branch.weight * max_component(share) >= settings_.min_weight;
     if (!is_gathered && !secondary.is_transmitted && !secondary.is_reflected) return false;
     const uint32_t fork = tree_.add_fork(branch.receiver, surface.light());
     if (is_gathered && begin_gathering(fork, transmitted.depth, branch, surface.surface, share, secondary))
