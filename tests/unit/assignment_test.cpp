@@ -369,5 +369,71 @@ TEST(Assignment, NonsenseIsIgnored) {
   player.machine.fail(kNode1, ItemIndex(-1), "", 0);
 }
 
+TEST(Interleaved, AnIdleNodeDoesWhatASlowOneHasNotBegun) {
+  const AssignmentOptions options = make_options(AssignmentPolicy::interleaved, 2);
+  Assignment machine(options, 0);
+  std::deque<ItemIndex> of_slow;
+  for (ItemIndex i; i.value() < options.items_per_step; ++i) {
+    if (options.owner_of(i) == kNode1)
+      machine.accept(kNode1, i, 0.5);
+    else
+      of_slow.push_back(i);
+  }
+  machine.take_actions();
+  machine.hear(kNode2, 0.9);
+  machine.tick(0.9);
+  EXPECT_TRUE(machine.take_actions().empty()) << "it has had its first for less than a second";
+  machine.hear(kNode2, 1.6);
+  machine.tick(1.6);
+  while (!of_slow.empty()) {
+    const auto actions = machine.take_actions();
+    ASSERT_EQ(actions.size(), 1u);
+    const auto& assign = std::get<AssignItem>(actions.front());
+    EXPECT_EQ(assign.node, kNode1);
+    EXPECT_EQ(assign.item, of_slow.front());
+    machine.accept(kNode1, of_slow.front(), 1.7);
+    of_slow.pop_front();
+  }
+  const auto actions = machine.take_actions();
+  ASSERT_EQ(actions.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<StepComplete>(actions.front()));
+}
+
+// Thesis 4.4.4.2: 64 N subpolygons, of its 4,444 processors and 1024 × 1024 pixels. No result may cost a walk
+// over all nodes or items, or this takes minutes.
+TEST(Assignment, HoldsTheThesissNumbers_4_4_4_2) {
+  constexpr int kProcessors = 4444;
+  const SubpolygonGrid grid = make_grid(0, 0, 1024, 1024, kProcessors, kSubpolygonsPerProcessor, 1);
+  EXPECT_NEAR(grid.count(), 64 * kProcessors, 0.1 * 64 * kProcessors);
+  for (const AssignmentPolicy policy : {AssignmentPolicy::interleaved, AssignmentPolicy::on_demand}) {
+    AssignmentOptions options;
+    options.nodes = kProcessors;
+    options.items_per_step = grid.count();
+    if (policy == AssignmentPolicy::interleaved)
+      options.owner_of = [&grid](ItemIndex item) {
+        const SubpolygonId s(static_cast<int>(item.value()));
+        return NodeId(interleaved_owner(grid, SetPattern::rows, kProcessors, FrameIndex(0), s) + 1);
+      };
+    Assignment machine(options, 0);
+    int done = 0;
+    const auto accept = [&](NodeId node, ItemIndex item) { done += machine.accept(node, item, 0.5) ? 1 : 0; };
+    if (policy == AssignmentPolicy::interleaved) {
+      for (ItemIndex i; i.value() < grid.count(); ++i) accept(options.owner_of(i), i);
+    } else {
+      for (std::deque<AssignItem> queue; done < grid.count();) {
+        for (const Action& action : machine.take_actions())
+          if (const auto* assign = std::get_if<AssignItem>(&action)) queue.push_back(*assign);
+        ASSERT_FALSE(queue.empty());
+        accept(queue.front().node, queue.front().item);
+        queue.pop_front();
+      }
+    }
+    EXPECT_EQ(done, grid.count());
+    const auto actions = machine.take_actions();
+    EXPECT_TRUE(std::any_of(actions.begin(), actions.end(),
+                            [](const Action& a) { return std::holds_alternative<StepComplete>(a); }));
+  }
+}
+
 }  // namespace
 }  // namespace rayfarm
