@@ -101,8 +101,17 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
   const RenderSettings usual;
   if (s.lighting != LightingModel::thesis &&
       (s.diffuse_rays != usual.diffuse_rays || s.diffuse_reach != usual.diffuse_reach ||
-       s.diffuse_contrast != usual.diffuse_contrast || s.diffuse_jitter))
+       s.diffuse_contrast != usual.diffuse_contrast || s.diffuse_jitter ||
+       s.diffuse_bands != usual.diffuse_bands || s.diffuse_set != usual.diffuse_set))
     notes.emplace_back("the --diffuse options belong to --lighting thesis, and do nothing here");
+  const bool is_local = s.lighting == LightingModel::phong || s.lighting == LightingModel::torrance_sparrow;
+  if (is_local && (options.max_depth || options.max_reflections || options.max_transmissions))
+    notes.emplace_back(
+        "--max-depth, --max-reflections and --max-transmissions belong to models that follow light beyond "
+        "what "
+        "the eye sees (path, thesis, whitted), and do nothing here");
+  if ((is_local || s.lighting == LightingModel::path) && s.min_weight != usual.min_weight)
+    notes.emplace_back("--min-weight belongs to --lighting thesis and whitted, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && !options.rotates)
     notes.emplace_back("--no-rotation belongs to --assign interleaved, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && options.sets != SetPattern::lattice)

@@ -21,7 +21,9 @@ struct RenderOptions {
   std::optional<std::array<int, 4>> crop;   ///< x0, x1, y0, y1, half-open
   RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
   std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds
-  std::optional<uint32_t> max_depth;        ///< empty: by the lighting model
+  std::optional<Subpixels> subpixels;       ///< empty: one
+  /// Limits of the lighting tree; empty: what follows from the others and the lighting model.
+  std::optional<uint32_t> max_depth, max_reflections, max_transmissions;
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;
