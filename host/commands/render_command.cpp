@@ -179,7 +179,10 @@ void add_net(Options& options, RenderOptions& o) {
   options.flag("!--no-rotation", o.rotates,
                "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
   options.number("--subpolygons", o.subpolygons_per_processor, 1, 1 << 20,
-                 "per node, none narrower than 8 pixels (default: the thesis's 64)");
+                 "per node, as far as the picture has room (default: the thesis's 64)");
+  options.number("--least-side", o.least_side_px, 1, 65536,
+                 "of a subpolygon in pixels (default: 1 on the pixel wire; 8 for blocks, of which smaller "
+                 "ones are mostly header)");
   options.number("--processor-time", o.ray_time_s, 0, 1e3,
                  "emulate slow processors: seconds that a node takes for each ray, mostly asleep "
                  "(default: 0, as fast as it can)");

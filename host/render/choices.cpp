@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/scene/settings_codec.h"
+#include "host/instrument/missing_subpolygons.h"
 #include "host/process/exit_code.h"
 #include "host/process/memory.h"
 #include "host/render/output_pattern.h"
@@ -40,21 +41,24 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
   return s;
 }
 
-int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes) {
+int choose_window(const RenderSettings& settings, size_t frames, int subpolygons, size_t other_bytes) {
   constexpr int kMostFrames = 3;
-  constexpr double kShare = 0.9;  // of what is free: files are written through buffers
+  constexpr double kShare = 0.9;           // of what is free: files are written through buffers
+  constexpr double kSubpolygonBytes = 64;  // of the assignment, and of who traced it
   const double frame_bytes = static_cast<double>(settings.crop.area()) *
-                             static_cast<double>(make_pixel_layout(settings.pixel_format).bytes);
+                                 static_cast<double>(make_pixel_layout(settings.pixel_format).bytes) +
+                             kSubpolygonBytes * subpolygons;
   const uint64_t free_bytes = available_memory_bytes();
   const auto available = static_cast<double>(free_bytes - std::min<uint64_t>(other_bytes, free_bytes));
   const double fit = kShare * available / frame_bytes;
   if (fit < 1)
     throw JobError(
         kRenderFailure,
-        fmt::format("a frame of {}×{} pixels as {} takes {:.2f} GiB on the host, of which {:.2f} GiB "
-                    "are free; render parts of it (--crop), or take a smaller --pixel-format",
+        fmt::format("a frame of {}×{} pixels as {} in {} subpolygons takes {:.2f} GiB on the host, of which "
+                    "{:.2f} GiB are free; render parts of it (--crop), or take a smaller --pixel-format or "
+                    "fewer --subpolygons",
                     settings.crop.width(), settings.crop.height(), name_of(settings.pixel_format),
-                    frame_bytes / (1 << 30), available / (1 << 30)));
+                    subpolygons, frame_bytes / (1 << 30), available / (1 << 30)));
   return static_cast<int>(std::min({double(kMostFrames), double(frames), fit}));
 }
 
@@ -71,7 +75,7 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   const size_t pixel_bytes = options.wire == Wire::pixel ? kPixelBytes : layout.bytes;
   const SubpolygonGrid grid = make_grid(
       settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
-      options.subpolygons_per_processor, kLeastSide_px, kMostSubpolygonBytes / pixel_bytes);
+      options.subpolygons_per_processor, options.least_side(), kMostSubpolygonBytes / pixel_bytes);
   plan.phases = {PicturesPhase{std::move(frames), grid}};
   plan.sets = options.sets;
   plan.rotates = options.rotates;
@@ -80,6 +84,15 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   plan.host_timeout_s = std::max(plan.host_timeout_s, options.node_timeout_s);
   plan.time_factors = options.time_factors;
   return plan;
+}
+
+std::vector<std::string> name_limits(const RenderOptions& options, const SubpolygonGrid& grid,
+                                     int processors) {
+  // On demand they are pieces of work, of which any number will do.
+  const int each = options.subpolygons_per_processor;
+  if (options.policy == AssignmentPolicy::on_demand && each == kSubpolygonsPerProcessor) return {};
+  const std::string note = tell_missing_subpolygons(grid, processors, each, options.least_side());
+  return note.empty() ? std::vector<std::string>{} : std::vector{note};
 }
 
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process) {
