@@ -2,7 +2,6 @@
 
 #include <numbers>
 
-#include "common/lighting/light_sampling.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "common/math/portable_math.h"
 
@@ -48,12 +47,13 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     const Light& light = context.scene.lights[i];
     if (light.kind == LightKind::environment)
       continue;  // diffuse rays meet it, or ambient light stands for it
+    const LightPlace& place = context.pose[light];
     OfPacket<Ray> rays;
     OfPacket<Facing> facing;
     for (ClassicalSurface& s : surfaces) {
       const bool is_mirrored = highlights.has_reflected_rays && has_extent(light) && s.material->reflect > 0;
       if (is_mirrored && !(s.material->diffuse > 0)) continue;
-      Vec3 target = light.position;
+      Vec3 target = place.position;
       Facing f{&s, target - s.surface.p, 0, light.color, !is_mirrored};
       if (light.kind != LightKind::point) {
         const LightSample sample =

@@ -2,6 +2,7 @@
 // Surfaces as the classical models see them (thesis 2.2): a colour, with coefficients for ambient, diffuse
 // and specular light, and a shadow ray to each source (Equation 2.4).
 #include "common/lighting/frame_context.h"
+#include "common/lighting/light_sampling.h"
 #include "common/lighting/ray_counts.h"
 #include "common/lighting/textured.h"
 
@@ -19,13 +20,15 @@ struct ClassicalSurface {
                   ? textured(context.scene, context.pose, ray, hit, *material, width, surface).color
                   : material->color),
         direction(ray.direction),
+        instance(hit.instance),
         id(of_sample),
         stream(of_stream) {}
 
   Surface surface;
   const Material* material;
-  Color color;     ///< the material's, textured
-  Vec3 direction;  ///< of the ray
+  Color color;        ///< the material's, textured
+  Vec3 direction;     ///< of the ray
+  uint32_t instance;  ///< that it met
   SampleId id;
   uint32_t stream;
   Color diffuse{0};   ///< light that takes the surface's colour
@@ -34,9 +37,12 @@ struct ClassicalSurface {
   Color light() const { return color * diffuse + specular; }
   Interaction interaction() const { return interaction_at(surface, direction, *material); }
   bool has_secondary_rays() const { return material->reflect > 0 || material->transmit > 0; }
-  void add_ambient_and_emission(const Scene& scene) {
-    diffuse = material->ambient * scene.head().ambient;
-    if (is_luminaire(*material)) specular += emitted(*material, interaction());
+  Color emission(const FrameContext& context) const {
+    return emission_at(context.scene, context.pose, instance, *material, interaction());
+  }
+  void add_ambient_and_emission(const FrameContext& context) {
+    diffuse = material->ambient * context.scene.head().ambient;
+    if (is_luminaire(*material)) specular += emission(context);
   }
 };
 

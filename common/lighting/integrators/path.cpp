@@ -162,7 +162,7 @@ class PathTracer {
   void add_emission(Path& path, const Ray& ray, const Hit& hit, const Surface& surface,
                     const Material& material, const Interaction& at) {
     if (!is_luminaire(material)) return;
-    Color light = path.throughput * emitted(material, at);
+    Color light = path.throughput * emission_at(scene_, pose_, hit.instance, material, at);
     if (path.pdf > 0)
       if (const uint32_t source = find_luminaire(scene_, hit.instance, hit.primitive); source != kNone)
         light *= balance(path.pdf, choice_probability(scene_, source) *

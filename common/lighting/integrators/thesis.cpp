@@ -151,7 +151,7 @@ class ThesisTracer {
   void add_emission(ClassicalSurface& surface, const Hit& hit, GatheringRay* ray) const {
     const bool is_counted = ray && find_luminaire(scene_, hit.instance, hit.primitive) != kNone;
     if (is_counted && !ray->serves_both) return;
-    const Color light = emitted(*surface.material, surface.interaction());
+    const Color light = surface.emission(context_);
     surface.specular += light;
     if (is_counted) ray->counted = light;
   }

@@ -31,7 +31,7 @@ class WhittedIntegrator : public Integrator {
       Branch& branch = batch.branches[i];
       branch.width += hits[i].t * branch.spread;
       surfaces.emplace_back(context, batch.rays[i], hits[i], branch.width, branch.id, branch.stream)
-          .add_ambient_and_emission(context.scene);
+          .add_ambient_and_emission(context);
       ray_of_surface.push_back(i);
     }
     if (!surfaces.empty()) {
