@@ -11,6 +11,19 @@ namespace rayfarm {
 
 enum class LightingModel : uint8_t { phong, torrance_sparrow, whitted, thesis, path };
 
+/// What bodies that transmit light do to shadow rays.
+enum class GlassShadows : uint8_t {
+  blocked,      ///< they stop them as others do
+  transparent,  ///< they let them go straight on, weakened (thesis 2.2.4: nonrefractive transparent objects)
+  none          ///< they cast no shadow (thesis 3.5.1: many researchers omit it)
+};
+
+/// What weighs ambient light (thesis 2.2.2).
+enum class AmbientColour : uint8_t { surface, light };
+
+/// The most rays of one lobe: rays that a surface reflects, or transmits.
+inline constexpr uint32_t kMostLobeRays = 1000;
+
 /// The depth of paths if nothing else is asked for: roulette ends nearly all long before.
 inline constexpr uint32_t kPathDepth = 100;
 
@@ -32,6 +45,11 @@ struct RenderSettings {
   double diffuse_reach = 0;   ///< where a diffuse ray's strength has fallen to a half; 0: it never falls
   /// Difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never.
   double diffuse_contrast = 0;
+  /// N_RS and N_T of Equation 3.2: rays that a surface with an exponent reflects and transmits in the models
+  /// of Whitted and of the thesis, spread over its lobe; 1: along its axis.
+  uint32_t reflected_rays = 1, transmitted_rays = 1;
+  GlassShadows glass_shadows = GlassShadows::blocked;
+  AmbientColour ambient_colour = AmbientColour::surface;
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;
@@ -43,7 +61,7 @@ struct RenderSettings {
     auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
     archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples,
             adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, jitter,
-            seed, pixel_format);
+            reflected_rays, transmitted_rays, glass_shadows, ambient_colour, seed, pixel_format);
     diffuse_jitter = jitter != 0;
   }
 };

@@ -2,6 +2,7 @@
 // Surfaces as the classical models see them (thesis 2.2): a colour, with coefficients for ambient, diffuse
 // and specular light, and a shadow ray to each source (Equation 2.4).
 #include "common/lighting/frame_context.h"
+#include "common/lighting/media.h"
 #include "common/lighting/ray_counts.h"
 #include "common/lighting/textured.h"
 
@@ -28,14 +29,20 @@ struct ClassicalSurface {
   Vec3 direction;  ///< of the ray
   SampleId id;
   uint32_t stream;
-  Color diffuse{0};   ///< light that takes the surface's colour
-  Color specular{0};  ///< light that does not
+  const Media* media = nullptr;  ///< that the ray came through; null: none
+  Color diffuse{0};              ///< light that takes the surface's colour
+  Color specular{0};             ///< light that does not
 
   Color light() const { return color * diffuse + specular; }
   Interaction interaction() const { return interaction_at(surface, direction, *material); }
-  bool has_secondary_rays() const { return material->reflect > 0 || material->transmit > 0; }
-  void add_ambient_and_emission(const Scene& scene) {
-    diffuse = material->ambient * scene.head().ambient;
+  bool has_secondary_rays() const { return has_reflection() || material->transmit > 0; }
+  bool has_reflection() const { return material->reflect > 0 && has_reflected_rays(*material); }
+  void add_ambient(const Scene& scene, AmbientColour weighed_by) {
+    const Color ambient = material->ambient * scene.head().ambient;
+    (weighed_by == AmbientColour::surface ? diffuse : specular) += ambient;
+  }
+  void add_ambient_and_emission(const Scene& scene, AmbientColour weighed_by) {
+    add_ambient(scene, weighed_by);
     if (is_luminaire(*material)) specular += emitted(*material, interaction());
   }
 };
