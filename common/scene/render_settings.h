@@ -11,6 +11,29 @@ namespace rayfarm {
 
 enum class LightingModel : uint8_t { phong, torrance_sparrow, whitted, thesis, path };
 
+/// By what the thesis's diffuse rays share the hemisphere evenly, θ from the normal (section 3.3): the light
+/// that passes, sin²θ; or the volume of their cones within the lobe of Lambert's law, 1 - cos⁴θ.
+enum class DiffuseBands : uint8_t { flux, cone };
+
+/// How the thesis's set of diffuse directions meets the picture: turned about the normal and dealt out at
+/// random, anew for each pixel; or laid out once for the whole picture.
+enum class DiffuseSet : uint8_t { turned, fixed };
+
+/// Of corner sampling: the parts that a pixel is cut into, whose corners rays go through.
+struct Subpixels {
+  uint32_t columns = 1, rows = 1;
+
+  static constexpr uint32_t kMost = 64;  ///< of columns, and of rows
+  uint32_t count() const { return columns * rows; }
+  uint32_t corners() const { return (columns + 1) * (rows + 1); }
+
+  template <typename Archive>
+  void serialize(Archive& archive) {
+    archive(columns, rows);
+  }
+  friend bool operator==(const Subpixels&, const Subpixels&) = default;
+};
+
 /// What bodies that transmit light do to shadow rays.
 enum class GlassShadows : uint8_t {
   blocked,      ///< they stop them as others do
@@ -36,7 +59,8 @@ struct RenderSettings {
   FilterKind filter = FilterKind::box;
   ColourModel colour = ColourModel::rgb;
   double shutter = 0;    ///< how long it is open, in frames
-  uint32_t samples = 1;  ///< per pixel
+  uint32_t samples = 1;  ///< per pixel; 1 where rays go through corners
+  Subpixels subpixels;   ///< other than one only where rays go through corners
   /// Pixels whose first samples differ by no more than this from their neighbours' get no others; 0: all do.
   double adaptive_contrast = 0;
   uint32_t max_depth = 5;     ///< of the lighting tree, or of a path; the eye ray is depth 1
@@ -51,6 +75,8 @@ struct RenderSettings {
   GlassShadows glass_shadows = GlassShadows::blocked;
   AmbientColour ambient_colour = AmbientColour::surface;
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
+  DiffuseBands diffuse_bands = DiffuseBands::flux;
+  DiffuseSet diffuse_set = DiffuseSet::turned;
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;
 
@@ -59,9 +85,10 @@ struct RenderSettings {
   template <typename Archive>
   void serialize(Archive& archive) {
     auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
-    archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples,
+    archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples, subpixels,
             adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, jitter,
-            reflected_rays, transmitted_rays, glass_shadows, ambient_colour, seed, pixel_format);
+            diffuse_bands, diffuse_set, reflected_rays, transmitted_rays, glass_shadows, ambient_colour, seed,
+            pixel_format);
     diffuse_jitter = jitter != 0;
   }
 };
@@ -69,10 +96,10 @@ struct RenderSettings {
 /// The most directions that the diffuse rays of a pixel are spread over; every renderer holds them.
 inline constexpr uint64_t kMostDiffuseDirections = 1 << 22;
 
-/// Their number: the thesis spreads one set of diffuse rays over all the samples of a pixel;
-/// over four for rays through corners, each of which four pixels share.
+/// The samples of a pixel, over which the thesis spreads one set of diffuse rays: for rays through corners as
+/// many as a pixel has, (a + 1)(b + 1) (section 3.4.1), though neighbours share them.
 inline uint64_t samples_that_share_directions(const RenderSettings& settings) {
-  return settings.sampling == SamplingPattern::corners ? 4 : settings.samples;
+  return settings.sampling == SamplingPattern::corners ? settings.subpixels.corners() : settings.samples;
 }
 /// 0 in other models.
 inline uint64_t diffuse_directions_of(const RenderSettings& settings) {

@@ -17,10 +17,13 @@ void check_settings(const RenderSettings& settings) {
   if (settings.lighting > LightingModel::path || settings.sampling > SamplingPattern::corners ||
       settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral20 ||
       settings.glass_shadows > GlassShadows::none || settings.ambient_colour > AmbientColour::light ||
-      settings.pixel_format > PixelFormat::float32)
+      settings.pixel_format > PixelFormat::float32 || settings.diffuse_bands > DiffuseBands::cone ||
+      settings.diffuse_set > DiffuseSet::fixed)
     throw SettingsError("a choice among the settings does not exist");
+  const auto is_cut = [](uint32_t parts) { return parts >= 1 && parts <= Subpixels::kMost; };
   const auto is_of_lobe = [](uint32_t rays) { return rays >= 1 && rays <= kMostLobeRays; };
-  if (settings.samples < 1 || settings.diffuse_rays < 1 || !is_of_lobe(settings.reflected_rays) ||
+  if (!is_cut(settings.subpixels.columns) || !is_cut(settings.subpixels.rows) || settings.samples < 1 ||
+      settings.diffuse_rays < 1 || !is_of_lobe(settings.reflected_rays) ||
       !is_of_lobe(settings.transmitted_rays) || settings.max_depth > 1000 ||
       !std::isfinite(settings.shutter) || !std::isfinite(settings.diffuse_reach) ||
       !std::isfinite(settings.diffuse_contrast) || settings.max_depth < 1 || !(settings.min_weight >= 0) ||
@@ -30,7 +33,7 @@ void check_settings(const RenderSettings& settings) {
   if (const uint64_t directions = diffuse_directions_of(settings); directions > kMostDiffuseDirections)
     throw SettingsError(fmt::format(
         "the diffuse rays of all samples of a pixel are laid out at once: {} × {} are {}, more than "
-        "{}; lower --diffuse-rays or --samples",
+        "{}; lower --diffuse-rays, --samples or --subpixels",
         settings.diffuse_rays, samples_that_share_directions(settings), directions, kMostDiffuseDirections));
 }
 

@@ -92,7 +92,17 @@ class Usage(JobTest):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--wire", "pixel", "--pixel-format", "half", says=["rgb8"])
 
     def test_corner_sampling_takes_one_ray(self):
-        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--samples", "4")
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--samples", "4", says=["--subpixels"])
+
+    def test_subpixels(self):
+        corners = ["render", SCENE, "-o", self.folder / "a.png", *SMALL, "--sampling", "corners"]
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--subpixels", "2x2", says=["--sampling corners"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--subpixels", "1x1", "--samples", "4", says=["--sampling corners"])
+        for wrong, says in (("2", "COLUMNSxROWS"), ("2x", "COLUMNSxROWS"), ("2x2x2", "COLUMNSxROWS"), ("0x2", "1 to 64"), ("2x65", "1 to 64")):
+            self.expect(2, *corners, "--subpixels", wrong, says=[says])
+        self.expect(2, *corners, "--lighting", "thesis", "--subpixels", "64x64", "--diffuse-rays", "1000", says=["--subpixels"])
+        self.assertFalse((self.folder / "a.png").exists())
+        self.expect(0, *corners, "--subpixels", "2x3")
 
     def test_patterns_that_do_not_fit(self):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--filter", "tent", says=["corners"])
@@ -106,6 +116,8 @@ class Usage(JobTest):
         small = ["--size", "16x12", "--progress", "none"]
         result = self.expect(0, "render", SCENE, "-o", self.folder / "a.png", "--diffuse-jitter", "--no-rotation", *small,
                              says=["--lighting thesis, and do nothing", "--assign interleaved, and does nothing"])
+        for option in (["--diffuse-bands", "cone"], ["--diffuse-set", "fixed"]):
+            self.expect(0, "render", SCENE, "-o", self.folder / "a.png", *option, *small, says=["--lighting thesis, and do nothing"])
         result = self.expect(0, "render", SCENE, "-o", self.folder / "a.png", "--diffuse-rays", "3", "--lighting", "thesis", "--no-rotation",
                              "--assign", "interleaved", *small)
         self.assertNotIn("nothing", result.stderr)
