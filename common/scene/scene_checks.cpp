@@ -240,7 +240,11 @@ void check_textures(const Scene& s) {
 
 void check_materials(const Scene& s) {
   for (const Material& m : s.materials) {
-    require(m.kind <= MaterialKind::luminaire, "a material's kind");
+    require(m.kind <= MaterialKind::luminaire && m.reflections <= Reflections::none, "a material's kind");
+    require(std::isfinite(m.exponent) && m.exponent >= 0, "a material's exponent");
+    for (int c = 0; c < 3; ++c)
+      require(std::isfinite(m.interior[c]) && m.interior[c] >= 0 && m.filter[c] >= 0 && m.filter[c] <= 1,
+              "a material's interior");
     require((m.texture == kNone || m.texture < s.textures.size()) &&
                 (m.bump == kNone || m.bump < s.textures.size()),
             "a material's texture");

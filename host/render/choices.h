@@ -26,5 +26,7 @@ std::vector<std::string> name_limits(const RenderOptions& options, const Subpoly
 
 /// Names options that do nothing beside others. `is_one_process`: host and nodes share it.
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);
+/// Names those that could do something, but not in this scene.
+std::vector<std::string> name_idle_options(const RenderSettings& settings, const SceneDescription& scene);
 
 }  // namespace rayfarm

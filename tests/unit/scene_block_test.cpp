@@ -209,6 +209,15 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
   expect_refusal<Light>(
       compiled, &Scene::lights, [](Light& light) { return light.moving = 7, true; },
       "a light that moves nowhere");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.reflections = Reflections{3}, true; },
+      "reflections of a fourth kind");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.exponent = NAN, true; }, "no exponent");
+  for (Color Material::*const colour : {&Material::interior, &Material::filter})
+    expect_refusal<Material>(
+        compiled, &Scene::materials, [colour](Material& m) { return (m.*colour).y = -1, true; },
+        "light below nothing");
   expect_refusal<double>(
       compiled, &Scene::key_frames, [](double& frame) { return frame = NAN, true; }, "a key at no frame");
   expect_refusal<double>(
@@ -291,6 +300,16 @@ TEST(Settings, ThereAndBack) {
   EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
   settings.samples = 1 << 10;
   EXPECT_EQ(decode_settings(encode_settings(settings)).diffuse_rays, 4096u);
+  settings.glass_shadows = GlassShadows::none;
+  settings.ambient_colour = AmbientColour::light;
+  settings.transmitted_rays = 1000;
+  EXPECT_EQ(decode_settings(encode_settings(settings)).transmitted_rays, 1000u);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).glass_shadows, GlassShadows::none);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).ambient_colour, AmbientColour::light);
+  for (const uint32_t rays : {0u, 1001u}) {
+    settings.transmitted_rays = rays;
+    EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
+  }
 }
 
 }  // namespace
