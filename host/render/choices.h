@@ -4,6 +4,7 @@
 
 #include "common/description/scene_description.h"
 #include "common/scene/render_settings.h"
+#include "common/scene/scene.h"
 #include "host/render/render_options.h"
 
 namespace rayfarm {
@@ -22,5 +23,8 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
 
 /// Names options that do nothing beside others. `is_one_process`: host and nodes share it.
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);
+
+/// What the scene asks for in vain from the chosen lighting model.
+std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene);
 
 }  // namespace rayfarm

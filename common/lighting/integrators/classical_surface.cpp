@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "common/lighting/integrators/gouraud.h"
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "common/math/portable_math.h"
@@ -51,6 +52,7 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     OfPacket<Ray> rays;
     OfPacket<Facing> facing;
     for (ClassicalSurface& s : surfaces) {
+      if (s.surface.is_gouraud) continue;
       const bool is_mirrored = highlights.has_reflected_rays && has_extent(light) && s.material->reflect > 0;
       if (is_mirrored && !(s.material->diffuse > 0)) continue;
       Vec3 target = light.position;
@@ -74,6 +76,8 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     for (size_t k = 0; k < facing.size(); ++k)
       if (!(blocked >> k & 1)) add_light(facing[k], highlights.shape);
   }
+  for (ClassicalSurface& s : surfaces)
+    if (s.surface.is_gouraud) add_gouraud_light(context, highlights, s, counts);
 }
 
 }  // namespace rayfarm
