@@ -20,6 +20,7 @@ struct JobPlan {
   bool compresses = true;  ///< blocks, whose pixels are RGB8
   int processors = 1;
   double host_timeout_s = liveness::kLongSilence_s;  ///< a node ends if its host is silent for so long
+  SetPattern sets = SetPattern::lattice;             ///< interleaved: of each node's own subpolygons
   bool rotates = true;                               ///< interleaved: sets move on from step to step
   double ray_time_s = 0;                             ///< emulated processors: what a ray takes at least
   std::vector<double> time_factors;  ///< of the processors, in turn: 2 takes twice as long; empty: all 1
@@ -31,6 +32,10 @@ const PicturesPhase& pictures_of(const JobPlan& plan);
 
 /// Interleaved: the node that does an item by itself.
 NodeId owner_of(const JobPlan& plan, const PicturesPhase& phase, ItemIndex item);
+
+/// Interleaved: where a node finds a subpolygon of its first frame's set in another frame.
+SubpolygonId own_subpolygon(const JobPlan& plan, const PicturesPhase& phase, FrameIndex frame,
+                            SubpolygonId of_set);
 
 Bytes encode_plan(const JobPlan& plan);
 JobPlan decode_plan(std::span<const std::byte> bytes);

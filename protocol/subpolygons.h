@@ -36,12 +36,23 @@ SubpolygonGrid make_grid(int left, int top, int width, int height, int processor
                          int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastSide_px,
                          size_t most_pixels = kMostSubpolygonBytes / kPixelBytes);
 
-/// The processor (0 to processors - 1) that traces a subpolygon of a frame: evenly spread over the image, and
-/// the next processor's set in the next frame.
-int interleaved_owner(const SubpolygonGrid& grid, int processors, FrameIndex frame, SubpolygonId subpolygon);
+/// How the sets of subpolygons lie that processors trace by themselves.
+enum class SetPattern : uint8_t {
+  lattice,  ///< without short steps in any direction: a hard patch of any shape falls to all alike
+  rows      ///< counted off row by row, one in every `processors`
+};
 
-/// The subpolygons of one processor in one frame, in order.
-std::vector<SubpolygonId> interleaved_set(const SubpolygonGrid& grid, int processors, FrameIndex frame,
+/// The processor (0 to processors - 1) that traces a subpolygon of a frame. The sets are evenly spread over
+/// the image, and from frame to frame each moves to the right: from the right edge to the left of the row
+/// below, from the bottom right corner to the top left (thesis 4.4.4.2).
+int interleaved_owner(const SubpolygonGrid& grid, SetPattern pattern, int processors, FrameIndex frame,
+                      SubpolygonId subpolygon);
+
+/// The subpolygons of one processor in the first frame, in order.
+std::vector<SubpolygonId> interleaved_set(const SubpolygonGrid& grid, SetPattern pattern, int processors,
                                           int processor);
+
+/// Where a subpolygon of a set is after so many frames.
+SubpolygonId moved_right(const SubpolygonGrid& grid, SubpolygonId subpolygon, FrameIndex frames);
 
 }  // namespace rayfarm

@@ -6,11 +6,12 @@
 
 namespace rayfarm {
 
-DiffuseDirections::DiffuseDirections(uint64_t rays)
+DiffuseDirections::DiffuseDirections(uint64_t rays, DiffuseBands bands)
     // Six a band up to about 36 rays; then bands grow with their number, to stay as wide as they are high.
     : rays_(rays),
       per_band_(
-          std::max<size_t>(6, static_cast<size_t>(std::lround(1.2 * std::sqrt(static_cast<double>(rays)))))) {
+          std::max<size_t>(6, static_cast<size_t>(std::lround(1.2 * std::sqrt(static_cast<double>(rays)))))),
+      bands_(bands) {
   directions_.reserve(rays_);
   for (size_t ray = 0; ray < rays_; ++ray)
     directions_.push_back(ray == 0 ? Vec3(0, 1, 0) : jittered(ray, Vec2(0.5)));
@@ -26,9 +27,9 @@ Vec3 DiffuseDirections::jittered(size_t ray, const Vec2& u) const {
     count = std::min(per_band_, rays_ - first);
     is_turned = band % 2 == 0;
   }
-  // sin² of the angle to the normal is the share of the light inside it.
-  const double sine2 =
+  const double share =
       (static_cast<double>(first) + u.x * static_cast<double>(count)) / static_cast<double>(rays_);
+  const double sine2 = bands_ == DiffuseBands::flux ? share : 1 - std::sqrt(1 - share);
   const double sine = std::sqrt(sine2), cosine = std::sqrt(1 - sine2);
   const double step = static_cast<double>(ray - first) + (is_turned ? 0.5 : 0) + (u.y - 0.5);
   const double phi = 2 * std::numbers::pi * step / static_cast<double>(count);

@@ -1,12 +1,17 @@
 #pragma once
 // The thesis's distribution of secondary diffuse rays (section 3.3): bands about the normal, each ray with
-// the same share of the light that Lambert's cosine law lets through.
+// the same share of the light that Lambert's cosine law lets through. Of a cone about the normal with half
+// angle θ that share is sin²θ, the integral of cos θ over its solid angle. The thesis divides the volume of
+// the sphere that Lambert's law draws, r = cos θ: the cone cuts 1 - cos⁴θ out of it, the integral of r³.
+// Rays of equal weight then crowd about the normal, as if light counted with cos³θ: under an even sky both
+// bring the same, but what stands low brings less than it should.
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "common/math/vector.h"
 #include "common/sampling/warps.h"
+#include "common/scene/render_settings.h"
 
 namespace rayfarm {
 
@@ -14,7 +19,7 @@ class DiffuseDirections {
  public:
   /// Any number of rays up to kMostDiffuseDirections; 25 are one along the normal and four bands of six
   /// (Figure 3.1).
-  explicit DiffuseDirections(uint64_t rays);
+  explicit DiffuseDirections(uint64_t rays, DiffuseBands bands = DiffuseBands::flux);
 
   /// Unit vectors about +y. Rays of a band stand one after the other.
   std::span<const Vec3> about_y() const { return directions_; }
@@ -26,6 +31,7 @@ class DiffuseDirections {
 
  private:
   size_t rays_, per_band_;
+  DiffuseBands bands_;
   std::vector<Vec3> directions_;
 };
 

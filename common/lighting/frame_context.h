@@ -15,7 +15,9 @@ using OfPacket = InlineVector<T, kMostPacketRays>;
 /// What is laid out once for all rays.
 struct SamplingTables {
   SamplingTables(const RenderSettings& with, int frame)
-      : settings(with), sampler(with.sampler(), frame), diffuse_directions(diffuse_directions_of(with)) {}
+      : settings(with),
+        sampler(with.sampler(), frame),
+        diffuse_directions(diffuse_directions_of(with), with.diffuse_bands) {}
 
   const RenderSettings& settings;
   Sampler sampler;

@@ -161,23 +161,27 @@ class Renderer::Rendering {
     film_.expose(p.x, p.y, std::array{color.x, color.y, color.z});
   }
 
-  /// Rays through the pixels' corners, shared by the four pixels around each (thesis 2.3.2). Two rows are
-  /// kept.
+  /// Rays through the corners of pixels or subpixels, shared by the four around each (thesis 2.3.2, 3.4.1).
+  /// Corners are counted from the image's first, and a subpixel is the mean of its four: so all rays weigh
+  /// the same, taken over the pixels that share them. Two rows of corners are kept.
   void render_corners() {
-    const auto columns = static_cast<size_t>(rect_.width()) + 1;
+    const auto a = static_cast<int>(settings_.subpixels.columns),
+               b = static_cast<int>(settings_.subpixels.rows);
+    const auto columns = static_cast<size_t>(rect_.width() * a) + 1;
     std::vector<Color> above(columns), below(columns);
     const auto trace_row = [&](int y, std::vector<Color>& row) {
       OfPacket<Ray> rays;
       OfPacket<SampleId> ids;
       for (size_t i = 0; i < columns; ++i) {
-        const int x = rect_.x0 + static_cast<int>(i);
-        // A corner belongs to the pixel below and right of it; the image's last corners to its last pixels.
+        const int x = rect_.x0 * a + static_cast<int>(i);
+        // A corner belongs to what is below and right of it; the image's last corners to its last pixels.
         const auto owns = [&](int column) {
-          return (column < rect_.x1 || column == settings_.crop.x1) &&
-                 (y < rect_.y1 || y == settings_.crop.y1);
+          return (column < rect_.x1 * a || column == settings_.crop.x1 * a) &&
+                 (y < rect_.y1 * b || y == settings_.crop.y1 * b);
         };
         const SampleId& id = ids.push_back({x, y, 0});
-        rays.push_back(eye_ray(moments_.front().camera, id, x, y));
+        rays.push_back(
+            eye_ray(moments_.front().camera, id, static_cast<double>(x) / a, static_cast<double>(y) / b));
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
         trace(moments_.front(), rays.span(), ids.span(), owns(x) ? result_ : counted_elsewhere_,
               &row[i + 1 - rays.size()]);
@@ -185,12 +189,18 @@ class Renderer::Rendering {
         ids.clear();
       }
     };
-    trace_row(rect_.y0, above);
-    for (int y = rect_.y0; y < rect_.y1; ++y, above.swap(below)) {
-      trace_row(y + 1, below);
-      for (size_t i = 0; i + 1 < columns; ++i)
+    trace_row(rect_.y0 * b, above);
+    std::vector<Color> sums(static_cast<size_t>(rect_.width()));
+    for (int y = rect_.y0; y < rect_.y1; ++y) {
+      std::fill(sums.begin(), sums.end(), Color(0));
+      for (int row = 0; row < b; ++row, above.swap(below)) {
+        trace_row(y * b + row + 1, below);
+        for (size_t i = 0; i + 1 < columns; ++i)
+          sums[i / settings_.subpixels.columns] += 0.25 * (above[i] + above[i + 1] + below[i] + below[i + 1]);
+      }
+      for (size_t i = 0; i < sums.size(); ++i)
         write({rect_.x0 + static_cast<int>(i), y},
-              0.25 * (above[i] + above[i + 1] + below[i] + below[i + 1]));
+              sums[i] / static_cast<double>(settings_.subpixels.count()));
     }
   }
 

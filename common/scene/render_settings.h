@@ -11,8 +11,33 @@ namespace rayfarm {
 
 enum class LightingModel : uint8_t { phong, torrance_sparrow, whitted, thesis, path };
 
+/// By what the thesis's diffuse rays share the hemisphere evenly, θ from the normal (section 3.3): the light
+/// that passes, sin²θ; or the volume of their cones within the lobe of Lambert's law, 1 - cos⁴θ.
+enum class DiffuseBands : uint8_t { flux, cone };
+
+/// How the thesis's set of diffuse directions meets the picture: turned about the normal and dealt out at
+/// random, anew for each pixel; or laid out once for the whole picture.
+enum class DiffuseSet : uint8_t { turned, fixed };
+
+/// Of corner sampling: the parts that a pixel is cut into, whose corners rays go through.
+struct Subpixels {
+  uint32_t columns = 1, rows = 1;
+
+  static constexpr uint32_t kMost = 64;  ///< of columns, and of rows
+  uint32_t count() const { return columns * rows; }
+  uint32_t corners() const { return (columns + 1) * (rows + 1); }
+
+  template <typename Archive>
+  void serialize(Archive& archive) {
+    archive(columns, rows);
+  }
+  friend bool operator==(const Subpixels&, const Subpixels&) = default;
+};
+
 /// The depth of paths if nothing else is asked for: roulette ends nearly all long before.
 inline constexpr uint32_t kPathDepth = 100;
+/// The greatest depth that can be asked for.
+inline constexpr uint32_t kMostDepth = 1000;
 
 /// Everything that a pixel's value depends on beside scene, frame and position.
 struct RenderSettings {
@@ -23,16 +48,23 @@ struct RenderSettings {
   FilterKind filter = FilterKind::box;
   ColourModel colour = ColourModel::rgb;
   double shutter = 0;    ///< how long it is open, in frames
-  uint32_t samples = 1;  ///< per pixel
+  uint32_t samples = 1;  ///< per pixel; 1 where rays go through corners
+  Subpixels subpixels;   ///< other than one only where rays go through corners
   /// Pixels whose first samples differ by no more than this from their neighbours' get no others; 0: all do.
   double adaptive_contrast = 0;
-  uint32_t max_depth = 5;     ///< of the lighting tree, or of a path; the eye ray is depth 1
+  /// Limits of each branch of the lighting tree, or of a path, by the kinds of its rays; diffuse ones count
+  /// as reflected. "After about four or five reflections or about seven transparent objects there is little
+  /// more" (thesis 2.3.4).
+  uint32_t max_reflections = 4, max_transmissions = 7;
+  uint32_t max_depth = 12;    ///< of all kinds; the eye ray is depth 1, and both limits fit in
   double min_weight = 1e-6;   ///< rays that would contribute less are not traced; 0: no cut-off
   uint32_t diffuse_rays = 1;  ///< N_D of the thesis's model, per hit
   double diffuse_reach = 0;   ///< where a diffuse ray's strength has fallen to a half; 0: it never falls
   /// Difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never.
   double diffuse_contrast = 0;
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
+  DiffuseBands diffuse_bands = DiffuseBands::flux;
+  DiffuseSet diffuse_set = DiffuseSet::turned;
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;
 
@@ -41,20 +73,27 @@ struct RenderSettings {
   template <typename Archive>
   void serialize(Archive& archive) {
     auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
-    archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples,
-            adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, jitter,
-            seed, pixel_format);
+    archive(width_px, height_px, crop, lighting, colour, pixel_format, seed);
+    archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast);
+    archive(max_reflections, max_transmissions, max_depth, min_weight);
+    archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
     diffuse_jitter = jitter != 0;
   }
 };
 
+/// The depth alone limits, whatever the rays are.
+inline void limit_by_depth(RenderSettings& settings, uint32_t depth) {
+  settings.max_depth = depth;
+  settings.max_reflections = settings.max_transmissions = depth - 1;
+}
+
 /// The most directions that the diffuse rays of a pixel are spread over; every renderer holds them.
 inline constexpr uint64_t kMostDiffuseDirections = 1 << 22;
 
-/// Their number: the thesis spreads one set of diffuse rays over all the samples of a pixel;
-/// over four for rays through corners, each of which four pixels share.
+/// The samples of a pixel, over which the thesis spreads one set of diffuse rays: for rays through corners as
+/// many as a pixel has, (a + 1)(b + 1) (section 3.4.1), though neighbours share them.
 inline uint64_t samples_that_share_directions(const RenderSettings& settings) {
-  return settings.sampling == SamplingPattern::corners ? 4 : settings.samples;
+  return settings.sampling == SamplingPattern::corners ? settings.subpixels.corners() : settings.samples;
 }
 /// 0 in other models.
 inline uint64_t diffuse_directions_of(const RenderSettings& settings) {

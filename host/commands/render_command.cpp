@@ -6,6 +6,7 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/settings_codec.h"
 #include "host/commands/commands.h"
+#include "host/commands/net_options.h"
 #include "host/render/output_pattern.h"
 #include "host/render/render_options.h"
 
@@ -25,6 +26,15 @@ std::array<int, N> parse_numbers(const std::string& text, char separator, const 
     begin = end + 1;
   }
   return numbers;
+}
+
+Subpixels parse_subpixels(const std::string& text) {
+  const auto parts = parse_numbers<2>(text, 'x', "COLUMNSxROWS");
+  const auto is_cut = [](int n) { return n >= 1 && n <= static_cast<int>(Subpixels::kMost); };
+  if (!is_cut(parts[0]) || !is_cut(parts[1]))
+    throw UsageError(
+        fmt::format("--subpixels {}: a pixel is cut into 1 to {} columns and rows", text, Subpixels::kMost));
+  return {static_cast<uint32_t>(parts[0]), static_cast<uint32_t>(parts[1])};
 }
 
 void add_picture(Options& options, RenderOptions& o) {
@@ -81,13 +91,33 @@ void add_light(Options& options, RenderOptions& o) {
   options.flag("--diffuse-jitter", o.settings.diffuse_jitter,
                "thesis's model: diffuse rays at random in their parts of the bands: noise where fixed "
                "places are wrong on curved bodies");
+  options.choice<DiffuseBands>(
+      "--diffuse-bands", o.settings.diffuse_bands,
+      {{"cone", DiffuseBands::cone}, {"flux", DiffuseBands::flux}},
+      "thesis's model: what diffuse rays share evenly: light, or the volume of cones, as the thesis has it, "
+      "which favours light from along the normal (default: flux)");
+  options.choice<DiffuseSet>("--diffuse-set", o.settings.diffuse_set,
+                             {{"fixed", DiffuseSet::fixed}, {"turned", DiffuseSet::turned}},
+                             "thesis's model: diffuse rays turned at random in each pixel, or the same "
+                             "everywhere, as the thesis has "
+                             "it: false reflections in place of noise (default: turned)");
   options.choice<ColourModel>(
       "--colour", o.settings.colour,
       {{"meyer4", ColourModel::meyer4}, {"rgb", ColourModel::rgb}, {"spectral20", ColourModel::spectral20}},
       "what colours are computed as: red, green and blue, or spectra at 4 or 20 "
       "wavelengths (default: rgb)");
-  options.number("--max-depth", o.max_depth, 1, 1000,
-                 "depth of the lighting tree; the eye ray is 1 (default: 5; path: 100)");
+  options.number(
+      "--max-depth", o.max_depth, 1, kMostDepth,
+      "depth of the lighting tree; the eye ray is 1 (default: what the two limits below need, 12; path: "
+      "100)");
+  options.number(
+      "--max-reflections", o.max_reflections, 0, kMostDepth - 1,
+      "reflected and diffuse rays on a branch of the tree (default: 4; with --max-depth or path: as "
+      "deep as the tree)");
+  options.number(
+      "--max-transmissions", o.max_transmissions, 0, kMostDepth - 1,
+      "transmitted rays on a branch of the tree (default: 7; with --max-depth or path: as deep as the "
+      "tree)");
   options.number("--min-weight", o.settings.min_weight, 0, 1,
                  "do not trace rays that would contribute less (0: no cut-off; default: 1e-6)");
 }
@@ -107,6 +137,10 @@ void add_sampling(Options& options, RenderOptions& o) {
                                    {"sobol", SamplingPattern::sobol},
                                    {"uncorrelated", SamplingPattern::uncorrelated}},
                                   "pattern of the samples (default: sobol)");
+  options.text(
+      "--subpixels", [&o](const std::string& text) { o.subpixels = parse_subpixels(text); },
+      "with --sampling corners: rays go through the corners of so many parts of a pixel (default: 1x1)",
+      "COLUMNSxROWS");
   options.choice<FilterKind>("--filter", o.settings.filter,
                              {{"box", FilterKind::box},
                               {"gaussian", FilterKind::gaussian},
@@ -141,6 +175,7 @@ void add_net(Options& options, RenderOptions& o) {
                  "without mpirun: how many nodes run inside this process (default: one per core)");
   options.number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s,
                  liveness::kMostNodeTimeout_s, "seconds of silence after which a node is lost (default: 8)");
+  add_sets(options, o.sets);
   options.flag("!--no-rotation", o.rotates,
                "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
   options.number("--subpolygons", o.subpolygons_per_processor, 1, 1 << 20,
@@ -195,11 +230,17 @@ void check_combinations(const RenderOptions& o) {
     throw UsageError(fmt::format("--sampling poisson lays out at most {} samples; use sobol for more",
                                  Sampler::kMostPoissonSamples));
   if (s.sampling == SamplingPattern::corners && s.filter != FilterKind::box)
-    throw UsageError("--sampling corners weighs the four corners alike; leave --filter at box");
+    throw UsageError("--sampling corners weighs the four corners of a subpixel alike; leave --filter at box");
   if (s.sampling == SamplingPattern::corners && s.shutter > 0)
     throw UsageError("--sampling corners takes one ray per corner, too few for --shutter");
   if (s.sampling == SamplingPattern::corners && s.samples != 1)
-    throw UsageError("--sampling corners takes one ray per corner; leave --samples at 1");
+    throw UsageError(
+        "--sampling corners takes one ray per corner; leave --samples at 1, and cut pixels with --subpixels "
+        "for more");
+  if (o.subpixels && s.sampling != SamplingPattern::corners)
+    throw UsageError(
+        "--subpixels are cut to send rays through their corners: give --sampling corners, too; other "
+        "patterns take --samples");
   if (s.adaptive_contrast > 0 && s.samples < 2)
     throw UsageError("--adaptive chooses where more than one sample is taken; set --samples");
   if (s.adaptive_contrast > 0 && s.lighting == LightingModel::path)
@@ -212,7 +253,33 @@ void check_combinations(const RenderOptions& o) {
     throw UsageError("--wire pixel carries three bytes of colour; use --pixel-format rgb8 or --wire block");
 }
 
-void check_render(const RenderOptions& o) {
+/// A limit that was not given follows from those that were: a depth alone leaves all kinds of rays to it, and
+/// limits of the kinds have the depth that they need.
+void set_limits(RenderOptions& o) {
+  RenderSettings& s = o.settings;
+  const bool is_path = s.lighting == LightingModel::path, has_depth = o.max_depth || is_path;
+  if (has_depth) limit_by_depth(s, o.max_depth.value_or(kPathDepth));
+  s.max_reflections = o.max_reflections.value_or(s.max_reflections);
+  s.max_transmissions = o.max_transmissions.value_or(s.max_transmissions);
+  if (!has_depth) s.max_depth = 1 + s.max_reflections + s.max_transmissions;
+  if (s.max_depth > kMostDepth)
+    throw UsageError(
+        fmt::format("--max-reflections {} and --max-transmissions {} make a tree of depth {}, more than {}; "
+                    "lower one of them",
+                    s.max_reflections, s.max_transmissions, s.max_depth, kMostDepth));
+  const auto check = [&s](const char* name, uint32_t limit) {
+    if (limit >= s.max_depth)
+      throw UsageError(fmt::format(
+          "{} {} can't be reached: a tree of depth {} has {} rays on a branch after the eye ray; raise "
+          "--max-depth or leave the limit out",
+          name, limit, s.max_depth, s.max_depth - 1));
+  };
+  check("--max-reflections", s.max_reflections);
+  check("--max-transmissions", s.max_transmissions);
+}
+
+void check_render(RenderOptions& o) {
+  set_limits(o);
   check_output(o);
   try {
     check_settings(o.settings);
@@ -230,9 +297,8 @@ void add_render_command(CommandLine& line) {
   verb.name = "render";
   verb.help = "render a scene to image files";
   verb.check = [o] {
+    o->settings.subpixels = o->subpixels.value_or(Subpixels());
     check_render(*o);
-    o->settings.max_depth = o->max_depth.value_or(
-        o->settings.lighting == LightingModel::path ? kPathDepth : o->settings.max_depth);
   };
   verb.run = [o](const Renders& renders) { return renders.as_launched(*o); };
   verb.is_for_all_ranks = true;

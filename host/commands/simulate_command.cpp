@@ -20,8 +20,18 @@ struct SimulateOptions {
   TableFormat format = TableFormat::text;
 };
 
+/// Names options that do nothing beside others.
+void note_idle_options(const Simulation& s) {
+  if (s.policy == AssignmentPolicy::interleaved) return;
+  for (const auto& [name, is_set] :
+       {std::pair{"--sets", s.sets != SetPattern::lattice}, std::pair{"--no-rotation", !s.rotates}})
+    if (is_set)
+      fmt::print(stderr, "rayfarm: {} belongs to --assign interleaved, and does nothing here\n", name);
+}
+
 int print_simulation(const SimulateOptions& options) {
   Simulation s = options.simulation;
+  note_idle_options(s);
   if (options.pixel_time_s > 0) {
     const double mean = std::accumulate(s.cost.pixel_s.begin(), s.cost.pixel_s.end(), 0.0) /
                         static_cast<double>(s.cost.pixel_s.size());
@@ -104,6 +114,7 @@ void add_simulate_command(CommandLine& line) {
   options.number("--frames", s.frames, 1, 10000, "of the sequence (default: 1)");
   add_choices(options, s);
   add_rate(options, s.rate_bit_per_s);
+  add_sets(options, s.sets);
   options.flag("!--no-rotation", s.rotates, "interleaved: each processor keeps its set in every frame");
   add_numbers(options, s);
   add_format(options, o->format);

@@ -32,7 +32,8 @@ struct Simulation {
   int processors = 1;
   int frames = 1;
   AssignmentPolicy policy = AssignmentPolicy::interleaved;
-  bool rotates = true;  ///< interleaved: sets move on from frame to frame
+  SetPattern sets = SetPattern::lattice;  ///< interleaved
+  bool rotates = true;                    ///< interleaved: sets move on from frame to frame
   int subpolygons_per_processor = kSubpolygonsPerProcessor;
   int least_side_px = 1;  ///< of a subpolygon
   int frames_open = 3;    ///< a frame is begun only when the one so many before it is whole

@@ -73,6 +73,7 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
       settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
       options.subpolygons_per_processor, kLeastSide_px, kMostSubpolygonBytes / pixel_bytes);
   plan.phases = {PicturesPhase{std::move(frames), grid}};
+  plan.sets = options.sets;
   plan.rotates = options.rotates;
   plan.ray_time_s = options.ray_time_s;
   // Who waits longer for nodes has a slower net, on which nodes wait longer for their host.
@@ -87,10 +88,21 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
   const RenderSettings usual;
   if (s.lighting != LightingModel::thesis &&
       (s.diffuse_rays != usual.diffuse_rays || s.diffuse_reach != usual.diffuse_reach ||
-       s.diffuse_contrast != usual.diffuse_contrast || s.diffuse_jitter))
+       s.diffuse_contrast != usual.diffuse_contrast || s.diffuse_jitter ||
+       s.diffuse_bands != usual.diffuse_bands || s.diffuse_set != usual.diffuse_set))
     notes.emplace_back("the --diffuse options belong to --lighting thesis, and do nothing here");
+  const bool is_local = s.lighting == LightingModel::phong || s.lighting == LightingModel::torrance_sparrow;
+  if (is_local && (options.max_depth || options.max_reflections || options.max_transmissions))
+    notes.emplace_back(
+        "--max-depth, --max-reflections and --max-transmissions belong to models that follow light beyond "
+        "what "
+        "the eye sees (path, thesis, whitted), and do nothing here");
+  if ((is_local || s.lighting == LightingModel::path) && s.min_weight != usual.min_weight)
+    notes.emplace_back("--min-weight belongs to --lighting thesis and whitted, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && !options.rotates)
     notes.emplace_back("--no-rotation belongs to --assign interleaved, and does nothing here");
+  if (options.policy == AssignmentPolicy::on_demand && options.sets != SetPattern::lattice)
+    notes.emplace_back("--sets belongs to --assign interleaved, and does nothing here");
   if (options.local_nodes > 0 && !is_one_process)
     notes.emplace_back("--local-nodes does nothing under mpirun: every rank but the host is a node");
   return notes;

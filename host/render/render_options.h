@@ -21,11 +21,14 @@ struct RenderOptions {
   std::optional<std::array<int, 4>> crop;   ///< x0, x1, y0, y1, half-open
   RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
   std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds
-  std::optional<uint32_t> max_depth;        ///< empty: by the lighting model
+  std::optional<Subpixels> subpixels;       ///< empty: one
+  /// Limits of the lighting tree; empty: what follows from the others and the lighting model.
+  std::optional<uint32_t> max_depth, max_reflections, max_transmissions;
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;
-  bool rotates = true;  ///< interleaved: sets move on from frame to frame
+  SetPattern sets = SetPattern::lattice;  ///< interleaved
+  bool rotates = true;                    ///< interleaved: sets move on from frame to frame
   int subpolygons_per_processor = kSubpolygonsPerProcessor;
   double ray_time_s = 0;             ///< of emulated processors; 0: none
   std::vector<double> time_factors;  ///< of emulated processors

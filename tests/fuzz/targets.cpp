@@ -181,6 +181,9 @@ std::vector<std::string> block_seeds() {
 
 JobPlan make_plan() {
   JobPlan plan;
+  plan.policy = AssignmentPolicy::interleaved;
+  plan.processors = 3;
+  plan.sets = SetPattern::rows;
   plan.build = "build";
   plan.phases = {PicturesPhase{{FrameNumber(1), FrameNumber(2), FrameNumber(3)}, make_grid(0, 0, 64, 48, 2)}};
   plan.time_factors = {1, 2};
@@ -262,8 +265,12 @@ std::vector<Target> make_targets(const std::string& path) {
       {"plan",
        [](const std::string& bytes) {
          const JobPlan plan = decode_plan(bytes_of(bytes));
-         const SubpolygonGrid& grid = pictures_of(plan).grid;
-         for (const int s : {0, grid.count() - 1}) grid.find(grid.polygon(SubpolygonId(s)));
+         const PicturesPhase& pictures = pictures_of(plan);
+         const SubpolygonGrid& grid = pictures.grid;
+         for (const SubpolygonId s : {SubpolygonId(0), SubpolygonId(grid.count() - 1)}) {
+           grid.find(grid.polygon(s));
+           owner_of(plan, pictures, pictures.item_of(FrameIndex(2), s));
+         }
        },
        {text_of(encode_plan(make_plan()))},
        {}},

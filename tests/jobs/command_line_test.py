@@ -92,7 +92,17 @@ class Usage(JobTest):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--wire", "pixel", "--pixel-format", "half", says=["rgb8"])
 
     def test_corner_sampling_takes_one_ray(self):
-        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--samples", "4")
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--samples", "4", says=["--subpixels"])
+
+    def test_subpixels(self):
+        corners = ["render", SCENE, "-o", self.folder / "a.png", *SMALL, "--sampling", "corners"]
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--subpixels", "2x2", says=["--sampling corners"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--subpixels", "1x1", "--samples", "4", says=["--sampling corners"])
+        for wrong, says in (("2", "COLUMNSxROWS"), ("2x", "COLUMNSxROWS"), ("2x2x2", "COLUMNSxROWS"), ("0x2", "1 to 64"), ("2x65", "1 to 64")):
+            self.expect(2, *corners, "--subpixels", wrong, says=[says])
+        self.expect(2, *corners, "--lighting", "thesis", "--subpixels", "64x64", "--diffuse-rays", "1000", says=["--subpixels"])
+        self.assertFalse((self.folder / "a.png").exists())
+        self.expect(0, *corners, "--subpixels", "2x3")
 
     def test_patterns_that_do_not_fit(self):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sampling", "corners", "--filter", "tent", says=["corners"])
@@ -102,10 +112,37 @@ class Usage(JobTest):
         scene = self.write("none.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nlights: [{direction: [0, 0, 0]}]\nscene: []\n")
         self.expect(3, "check", scene, says=["none.yaml:2:", "must not be the zero vector"])
 
+    def test_limits_of_the_lighting_tree(self):
+        def limited(*arguments):
+            return ("render", SCENE, "-o", self.folder / "a.png", *arguments)
+        self.expect(2, *limited("--max-depth", "5", "--max-reflections", "5"), says=["can't be reached", "has 4 rays"])
+        self.expect(2, *limited("--lighting", "path", "--max-transmissions", "100"), says=["a tree of depth 100"])
+        self.expect(2, *limited("--max-reflections", "600", "--max-transmissions", "600"), says=["depth 1201, more than 1000"])
+        self.expect(2, *limited("--max-reflections", "-1"), says=["max-reflections"])
+
+        def rays(*arguments):
+            stats = self.folder / "s.json"
+            self.expect(0, *limited("--size", "32x24", "-q", "--stats", stats, *arguments))
+            return json.loads(stats.read_text())["rays"]
+        # Thesis 2.3.4: "after about four or five reflections or about seven transparent objects".
+        usual = rays()
+        self.assertEqual(usual, rays("--max-reflections", "4", "--max-transmissions", "7", "--max-depth", "12"))
+        self.assertEqual(rays("--max-depth", "30"), rays("--max-reflections", "29", "--max-transmissions", "29", "--max-depth", "30"))
+        self.assertEqual(rays("--max-reflections", "0", "--max-transmissions", "0"), rays("--max-depth", "1"))
+        self.assertEqual(rays("--max-reflections", "0")["reflected"], 0)
+        none = rays("--max-transmissions", "0")
+        self.assertEqual(none["transmitted"], 0)
+        self.assertGreater(none["reflected"], 0)
+        self.assertGreater(usual["transmitted"], 0)
+
     def test_options_that_do_nothing_are_said(self):
+        self.expect(0, "render", SCENE, "-o", self.folder / "a.png", "--lighting", "phong", "--max-reflections", "3", "--min-weight", "0.1",
+                    "--size", "16x12", "--progress", "none", says=["beyond what the eye sees", "--min-weight belongs"])
         small = ["--size", "16x12", "--progress", "none"]
         result = self.expect(0, "render", SCENE, "-o", self.folder / "a.png", "--diffuse-jitter", "--no-rotation", *small,
                              says=["--lighting thesis, and do nothing", "--assign interleaved, and does nothing"])
+        for option in (["--diffuse-bands", "cone"], ["--diffuse-set", "fixed"]):
+            self.expect(0, "render", SCENE, "-o", self.folder / "a.png", *option, *small, says=["--lighting thesis, and do nothing"])
         result = self.expect(0, "render", SCENE, "-o", self.folder / "a.png", "--diffuse-rays", "3", "--lighting", "thesis", "--no-rotation",
                              "--assign", "interleaved", *small)
         self.assertNotIn("nothing", result.stderr)

@@ -25,12 +25,14 @@ class Identity(JobTest):
             ("--assign", policy) for policy in ("on-demand", "interleaved")])
 
     def test_corner_sampling_and_its_counts(self):
-        counts = set()
-        for ranks in (1, 2, 3, 4):
-            stats = self.render(ranks, SCENES / "primitives.yaml", *SMALL, "--sampling", "corners")
-            self.assertEqual(stats["rays"]["primary"], 161 * 121)
-            counts.add((json.dumps(stats["rays"]), stats["image"]["sha256_pixels"]))
-        self.assertEqual(len(counts), 1)
+        # Thesis 3.4.1: corners are shared by neighbours, and so by subpolygons; each counts once.
+        for primary, *arguments in ((161 * 121,), (161 * 121, "--subpixels", "1x1"), (321 * 361, "--subpixels", "2x3", "--lighting", "thesis")):
+            counts = set()
+            for ranks in (1, 2, 3, 4):
+                stats = self.render(ranks, SCENES / "primitives.yaml", *SMALL, "--sampling", "corners", *arguments)
+                self.assertEqual(stats["rays"]["primary"], primary)
+                counts.add((json.dumps(stats["rays"]), stats["image"]["sha256_pixels"]))
+            self.assertEqual(len(counts), 1)
 
     def test_compression_and_float_pixels(self):
         self.hashes(SCENES / "primitives.yaml", *SMALL, ranks=(1, 3), name="out.png",

@@ -63,6 +63,31 @@ class Emulated(JobTest):
             sets = [frame["traced_by"] for frame in json.loads(stats.read_text())["frames"]]
             self.assertEqual(sets[0] != sets[1], moves)
 
+    def test_sets_move_to_the_right(self):
+        """Thesis 4.4.4.2: in the next frame a processor does what is directly to the right, from the last to the first."""
+        for sets in ("lattice", "rows"):
+            stats = self.folder / "sets.json"
+            result = run(RAYFARM, "render", SCENES / "animation.yaml", "-o", self.folder / "s.##.png", "--frames", "1-3", "--size",
+                         "64x48", "--local-nodes", "3", "--assign", "interleaved", "--sets", sets, "--stats", stats)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            told = json.loads(stats.read_text())
+            self.assertEqual(told["sets"], sets)
+            first, second, third = [frame["traced_by"] for frame in told["frames"]]
+            self.assertEqual(second, first[-1:] + first[:-1])
+            self.assertEqual(third, first[-2:] + first[:-2])
+            if sets == "rows":
+                self.assertEqual(first, [1 + i % 3 for i in range(len(first))])
+
+    def test_sets_belong_to_interleaved_work(self):
+        out = self.folder / "idle.png"
+        for command in (["render", SCENE, "-o", out, "--size", "16x12"], ["simulate", "--assign", "on-demand", "--processors", "2"]):
+            result = run(RAYFARM, *command, "--sets", "rows")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.stderr.count("--sets belongs to --assign interleaved"), 1)
+            result = run(RAYFARM, *command, "--sets", "columns")
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("choose lattice|rows", result.stderr)
+
 
 class CommandLine(JobTest):
     def test_model_prints_the_thesiss_figures(self):

@@ -13,26 +13,6 @@ namespace {
 
 using std::numbers::pi;
 
-/// Writes an image of all directions whose texels `radiance` gives for (column, row), and returns its name.
-std::string write_environment(int width, int height, const std::function<float(int, int)>& radiance) {
-  Image image;
-  image.width_px = width;
-  image.height_px = height;
-  image.window = {0, 0, width, height};
-  image.layout = make_pixel_layout(PixelFormat::float32);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      for (int c = 0; c < 3; ++c) {
-        const float value = radiance(x, y);
-        std::byte bytes[4];
-        std::memcpy(bytes, &value, 4);
-        image.pixels.insert(image.pixels.end(), bytes, bytes + 4);
-      }
-  const std::string path = test::write_temporary("sky.exr", "");
-  write_image(path, image, {});
-  return path;
-}
-
 /// A scene lit by what `text` describes, seen from a point.
 struct Lit {
   explicit Lit(const std::string& text)
@@ -121,7 +101,7 @@ TEST(LightSampling, MovedSpheresAreSampledAsTheirDensitySays) {
 
 TEST(LightSampling, EnvironmentsAreSampledAsTheirDensitySays) {
   // A dim sky with one bright and some dark patches.
-  const std::string path = write_environment(32, 16, [](int x, int y) {
+  const std::string path = test::write_environment(32, 16, [](int x, int y) {
     return x > 20 && x < 24 && y == 4 ? 50.0f : y > 12 ? 0.0f : 0.5f + 0.03f * static_cast<float>(x);
   });
   const Lit lit("environment: {file: " + path +
@@ -138,7 +118,7 @@ TEST(LightSampling, EnvironmentsAreSampledAsTheirDensitySays) {
 
 TEST(LightSampling, EnvironmentsStandAsTheManualSays) {
   // Column 0 begins at +x, a quarter of the way lies +z; the first row is the top.
-  const std::string path = write_environment(
+  const std::string path = test::write_environment(
       64, 32, [](int x, int y) { return static_cast<float>(y < 16 ? 100 : 0) + static_cast<float>(x / 16); });
   const auto seen = [](const Lit& lit, const Vec3& d) {
     return eval_background(lit.compiled.scene, normalized(d)).x;
@@ -162,7 +142,7 @@ TEST(LightSampling, EnvironmentsStandAsTheManualSays) {
 TEST(LightSampling, EnvironmentsLightPathsExactly) {
   // A white floor under a sky with a small sun: L = 1 / π ∫ L_i cos θ dω. And a uniform sky is a furnace.
   const auto radiance = [](int x, int y) { return x == 40 && y == 9 ? 900.0f : y < 16 ? 1.0f : 0.0f; };
-  const std::string path = write_environment(64, 32, radiance);
+  const std::string path = test::write_environment(64, 32, radiance);
   const Lit lit("environment: {file: " + path +
                 "}\nmaterials: {m: {lambertian: 1}}\nscene: [{material: m, polygon: {points: "
                 "[[-9,0,-9],[-9,0,9],[9,0,9],[9,0,-9]]}}]\n");

@@ -1,4 +1,4 @@
-// Rectangles of pixels: cuts, corners, adaptive sampling, lens, shutter, colour passes.
+// Rectangles of pixels: cuts, adaptive sampling, lens, shutter, colour passes.
 #include "common/lighting/renderer.h"
 
 #include <cstring>
@@ -7,28 +7,6 @@
 
 namespace rayfarm {
 namespace {
-
-TEST(Render, CornersAreSharedAndCountedOnce) {
-  const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/primitives.yaml"));
-  RenderSettings settings;
-  settings.width_px = settings.height_px = 24;
-  settings.crop = {0, 0, 24, 24};
-  settings.sampling = SamplingPattern::corners;
-  Renderer renderer(compiled.scene, settings);
-  const auto render = [&](const PixelRect& rect) { return renderer.render(0, rect, [] {}); };
-  const RenderedPixels whole = render(settings.crop);
-  EXPECT_EQ(whole.counts[RayKind::primary], 25u * 25u);
-  RayCounts sum;
-  for (const PixelRect& rect : {PixelRect{0, 0, 10, 24}, PixelRect{10, 0, 24, 9}, PixelRect{10, 9, 24, 24}}) {
-    const RenderedPixels part = render(rect);
-    sum += part.counts;
-    for (int y = rect.y0; y < rect.y1; ++y)
-      EXPECT_TRUE(std::equal(part.pixels.begin() + (y - rect.y0) * rect.width() * 6,
-                             part.pixels.begin() + (y - rect.y0 + 1) * rect.width() * 6,
-                             whole.pixels.begin() + (y * 24 + rect.x0) * 6));
-  }
-  EXPECT_EQ(sum, whole.counts);
-}
 
 /// The pixels of a scene, row-major, linear.
 std::vector<float> render_floats(const CompiledScene& compiled, RenderSettings settings,

@@ -257,14 +257,41 @@ TEST(Settings, ThereAndBack) {
   RenderSettings settings;
   settings.samples = 17;
   settings.min_weight = 0.125;
+  settings.max_reflections = 3;
+  settings.max_transmissions = 9;
   settings.crop = {1, 2, 30, 40};
   settings.sampling = SamplingPattern::corners;
+  settings.subpixels = {3, 2};
+  settings.diffuse_bands = DiffuseBands::cone;
+  settings.diffuse_set = DiffuseSet::fixed;
   const RenderSettings back = decode_settings(encode_settings(settings));
   EXPECT_EQ(back.samples, 17u);
   EXPECT_EQ(back.min_weight, 0.125);
+  EXPECT_EQ(back.max_reflections, 3u);
+  EXPECT_EQ(back.max_transmissions, 9u);
   EXPECT_EQ(back.crop, settings.crop);
   EXPECT_EQ(back.sampling, SamplingPattern::corners);
+  EXPECT_EQ(back.subpixels, settings.subpixels);
+  EXPECT_EQ(back.diffuse_bands, DiffuseBands::cone);
+  EXPECT_EQ(back.diffuse_set, DiffuseSet::fixed);
   EXPECT_THROW(decode_settings(std::vector<std::byte>(3)), std::exception);
+  for (const Subpixels wrong : {Subpixels{0, 1}, Subpixels{1, 65}, Subpixels{1u << 31, 2}}) {
+    RenderSettings damaged = settings;
+    damaged.subpixels = wrong;
+    EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError);
+  }
+  RenderSettings damaged = settings;
+  damaged.diffuse_bands = static_cast<DiffuseBands>(2);
+  EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError);
+  damaged = settings;
+  damaged.diffuse_set = static_cast<DiffuseSet>(2);
+  EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError);
+  for (uint32_t RenderSettings::*limit :
+       {&RenderSettings::max_depth, &RenderSettings::max_reflections, &RenderSettings::max_transmissions}) {
+    RenderSettings wrong;
+    wrong.*limit = kMostDepth + 1;
+    EXPECT_THROW(decode_settings(encode_settings(wrong)), SettingsError);
+  }
   // As many diffuse rays and samples as there may be of each: their product once wrapped round to 0.
   settings.sampling = SamplingPattern::sobol;
   settings.lighting = LightingModel::thesis;

@@ -2,8 +2,10 @@
 // Scenes that unit tests make, and random rays through them.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <string>
 
@@ -47,6 +49,26 @@ inline std::vector<float> read_pixels(const std::string& path) {
     pixels.insert(pixels.end(), row.begin(), row.end());
   }
   return pixels;
+}
+
+/// Writes an image of all directions whose texels `radiance` gives for (column, row), and returns its name.
+inline std::string write_environment(int width, int height, const std::function<float(int, int)>& radiance) {
+  Image image;
+  image.width_px = width;
+  image.height_px = height;
+  image.window = {0, 0, width, height};
+  image.layout = make_pixel_layout(PixelFormat::float32);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const float value = radiance(x, y);
+        std::byte bytes[4];
+        std::memcpy(bytes, &value, 4);
+        image.pixels.insert(image.pixels.end(), bytes, bytes + 4);
+      }
+  const std::string path = write_temporary("sky.exr", "");
+  write_image(path, image, {});
+  return path;
 }
 
 inline double uniform(std::mt19937& random, double low, double high) {

@@ -51,7 +51,7 @@ TEST(Thesis, ConvergesToPathsInGoralsRoom) {
   settings.width_px = settings.height_px = 32;
   settings.crop = {0, 0, 32, 32};
   settings.samples = 256;
-  settings.max_depth = 16;
+  limit_by_depth(settings, 16);
   settings.pixel_format = PixelFormat::float32;
   const auto blocks = [&] {  // means of 8 × 8 pixels
     const RenderedPixels rendered = Renderer(compiled.scene, settings).render(0, settings.crop, [] {});
@@ -116,6 +116,56 @@ TEST(Thesis, DiffuseDirectionsShareTheLightEvenly) {
   for (size_t band = 0; band < 4; ++band)
     for (size_t i = 1; i < 6; ++i)
       EXPECT_NEAR(figure.about_y()[1 + 6 * band + i].y, figure.about_y()[1 + 6 * band].y, 1e-12);
+}
+
+// Section 3.3: "Each cone should be of equal volume", within the sphere of Lambert's law: a cone of half
+// angle θ about the normal holds 1 - cos⁴θ of it, and sin²θ of the light.
+TEST(Thesis, BandsShareLightOrConeVolumeEvenly) {
+  for (const DiffuseBands bands : {DiffuseBands::flux, DiffuseBands::cone}) {
+    const auto share_inside = [&](double cosine) {
+      return bands == DiffuseBands::flux ? 1 - cosine * cosine : 1 - std::pow(cosine, 4);
+    };
+    const DiffuseDirections directions(25, bands);
+    for (size_t ray = 0; ray < 25; ++ray) {
+      // From a band's inner rim to its outer one, ray by ray; their middle.
+      const double first = ray == 0 ? 0 : static_cast<double>((ray - 1) / 6 * 6 + 1);
+      const double count = ray == 0 ? 1 : 6;
+      EXPECT_NEAR(share_inside(directions.jittered(ray, {0, 0.3}).y), first / 25, 1e-12);
+      EXPECT_NEAR(share_inside(directions.jittered(ray, {1, 0.3}).y), (first + count) / 25, 1e-12);
+      if (ray > 0) {
+        EXPECT_NEAR(share_inside(directions.about_y()[ray].y), (first + count / 2) / 25, 1e-12);
+      }
+    }
+    // What a sky of radiance cos θ brings: ∫ cos θ d(sin²θ) = 2/3; ∫ cos θ d(1 - cos⁴θ) = 4/5.
+    double sum = 0;
+    for (const Vec3& d : DiffuseDirections(20000, bands).about_y()) sum += d.y;
+    EXPECT_NEAR(sum / 20000, bands == DiffuseBands::flux ? 2.0 / 3 : 4.0 / 5, 1e-3);
+  }
+}
+
+// An even sky brings the same with both; a ball that covers 45 degrees about the zenith brings sin² 45° = 1/2
+// of its radiance, and 1 - cos⁴ 45° = 3/4 with bands of equal cones.
+TEST(Thesis, BandsOfEqualConesFavourTheZenith) {
+  for (const DiffuseBands bands : {DiffuseBands::flux, DiffuseBands::cone}) {
+    const auto floor_under = [&](const std::string& sky) {
+      Probe probe(R"(
+materials: {floor: {color: 1, ambient: 0, diffuse: 1}, ball: {luminaire: {emission: 1}}}
+)" + sky + R"(
+  - {material: floor, polygon: {points: [[-9,0,-9],[-9,0,9],[9,0,9],[9,0,-9]]}}
+)");
+      probe.settings.lighting = LightingModel::thesis;
+      probe.settings.max_depth = 2;
+      probe.settings.diffuse_rays = 10000;
+      probe.settings.diffuse_bands = bands;
+      return probe.mean(Vec3(0.5, 0.5, 0), Vec3(-0.5, -0.5, 0), 1).x;
+    };
+    EXPECT_NEAR(floor_under("background: 0.3\nscene:"), 0.3, 1e-12);
+    const double half = bands == DiffuseBands::flux ? 0.5 : 0.75;
+    // A quadric, which no shadow ray is sent to: the ball about (0, √200, 0) of radius 10.
+    EXPECT_NEAR(floor_under("scene:\n  - {material: ball, quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, "
+                            "-14.142135623730951, 0, 100]}}"),
+                half, 0.01);
+  }
 }
 
 TEST(Thesis, OneRayServesTheReflectedAndTheDiffuseTerm) {

@@ -2,7 +2,8 @@
 
 namespace rayfarm {
 
-SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, double min_weight) {
+SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& branch,
+                             const RenderSettings& settings) {
   const Material& material = *surface.material;
   SecondaryRays rays;
   const Interaction at = surface.interaction();
@@ -13,9 +14,11 @@ SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, dou
     if (rays.transmitted == Vec3(0))
       rays.reflect += material.transmit;
     else
-      rays.is_transmitted = weight * material.transmit >= min_weight;
+      rays.is_transmitted = branch.transmissions < settings.max_transmissions &&
+                            branch.weight * material.transmit >= settings.min_weight;
   }
-  rays.is_reflected = weight * rays.reflect >= min_weight;
+  rays.is_reflected =
+      branch.reflections < settings.max_reflections && branch.weight * rays.reflect >= settings.min_weight;
   if (rays.is_reflected) rays.reflected = mirrored(at);
   return rays;
 }
@@ -40,6 +43,7 @@ Branch& LightingTree::grow(const Branch& from, const Surface& surface, const Vec
   batch.rays.push_back({surface.ray_origin(direction), direction});
   Branch& branch = batch.branches.push_back(from);
   branch.weight *= share;
+  ++(child == kTransmitted ? branch.transmissions : branch.reflections);
   branch.stream = static_cast<uint32_t>(mix_bits(uint64_t{from.stream} << 32 | child));
   return branch;
 }

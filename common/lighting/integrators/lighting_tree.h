@@ -31,6 +31,7 @@ struct Branch {
   uint32_t stream = 0;  ///< tells the branches of one sample apart, for their random numbers
   /// Of its cone where it begins (once traced: where it ends), and what it gains with each unit of length.
   double width = 0, spread = 0;
+  uint16_t reflections = 0, transmissions = 0;  ///< on the way from the eye, this ray's own with them
 };
 static_assert(std::is_trivially_copyable_v<Branch>);
 
@@ -62,8 +63,10 @@ struct SecondaryRays {
 
 /// Those of a surface that has any. One that transmits also spawns a reflected ray, even one of weight 0 if
 /// there is no cut-off: that is how published ray counts were made. Total internal reflection sends the
-/// transmitted share along the mirror direction. `weight`: of the ray that met the surface.
-SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, double min_weight);
+/// transmitted share along the mirror direction, and is a reflection. `branch`: that met the surface; limits
+/// other than the depth are kept.
+SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& branch,
+                             const RenderSettings& settings);
 
 class LightingTree {
  public:

@@ -23,7 +23,7 @@ struct Path {
   Media media;
   double pdf = 0;  ///< of the last direction; 0: only chance could have led here, as along a mirror's
   double width = 0, spread = 0;  ///< of the ray's cone
-  uint32_t depth = 1;
+  uint32_t depth = 1, reflections = 0, transmissions = 0;
 };
 static_assert(std::is_trivially_copyable_v<Path>);
 
@@ -117,6 +117,7 @@ class PathTracer {
 
     Lobes lobes;
     scatter(material, at, lobes);
+    keep_allowed(path, lobes);
     add_direct_light(path, surface, at, lobes);
     // Points are made only where they are asked for.
     const bool is_risky = path.depth >= kFirstRoulette;
@@ -129,11 +130,24 @@ class PathTracer {
     if (!survives(path, is_risky ? lobe.y : 0)) return false;
     if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
     ++path.depth;
+    ++(next.is_transmitted ? path.transmissions : path.reflections);
     ++(next.is_transmitted                    ? counts_[RayKind::transmitted]
        : next.spread == Lobe::Spread::diffuse ? counts_[RayKind::diffuse]
                                               : counts_[RayKind::reflected]);
     ray = {surface.ray_origin(next.direction), next.direction};
     return true;
+  }
+
+  /// Light that has been reflected or transmitted as often as is allowed goes on by the other lobes alone. So
+  /// what a shadow ray finds is limited as what the path itself finds.
+  void keep_allowed(const Path& path, Lobes& lobes) const {
+    const bool reflects = path.reflections < settings_.max_reflections,
+               transmits = path.transmissions < settings_.max_transmissions;
+    if (reflects && transmits) return;
+    Lobes allowed;
+    for (const Lobe& lobe : lobes)
+      if (lobe.is_transmitted ? transmits : reflects) allowed.push_back(lobe);
+    lobes = allowed;
   }
 
   Vec2 point(const Path& path, dimension::Bounce use) const {

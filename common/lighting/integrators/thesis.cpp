@@ -184,11 +184,10 @@ class ThesisTracer {
   /// All rays that leave a surface. False: there are none.
   bool add_rays(const Branch& branch, const ClassicalSurface& surface, Batch& transmitted, Batch& reflected) {
     SecondaryRays secondary;
-    if (surface.has_secondary_rays())
-      secondary = secondary_rays(surface, branch.weight, settings_.min_weight);
+    if (surface.has_secondary_rays()) secondary = secondary_rays(surface, branch, settings_);
     const Color share = (surface.material->diffuse / settings_.diffuse_rays) * surface.color;
-    const bool is_gathered =
-        max_component(share) > 0 && branch.weight * max_component(share) >= settings_.min_weight;
+    const bool is_gathered = branch.reflections < settings_.max_reflections && max_component(share) > 0 &&
+                             branch.weight * max_component(share) >= settings_.min_weight;
     if (!is_gathered && !secondary.is_transmitted && !secondary.is_reflected) return false;
     const uint32_t fork = tree_.add_fork(branch.receiver, surface.light());
     if (is_gathered && begin_gathering(fork, transmitted.depth, branch, surface.surface, share, secondary))
@@ -201,19 +200,27 @@ class ThesisTracer {
   /// term, too.
   bool begin_gathering(uint32_t fork, uint32_t depth, const Branch& branch, const Surface& surface,
                        const Color& share, const SecondaryRays& secondary) {
-    // One turn for all samples of a pixel keeps the set together; each takes a part of it, in random order.
     SampleId pixel = branch.id;
-    uint32_t sample = pixel.sample;
+    uint32_t part = pixel.sample;
     if (settings_.sampling == SamplingPattern::corners) {
-      sample = static_cast<uint32_t>((pixel.x & 1) + 2 * (pixel.y & 1));
-      pixel.x &= ~1;
-      pixel.y &= ~1;
+      // A set covers as many corners as a pixel has, and is laid beside itself again and again: so any pixel
+      // has each of its parts at one corner, wherever the set begins.
+      const auto columns = static_cast<int>(settings_.subpixels.columns) + 1,
+                 rows = static_cast<int>(settings_.subpixels.rows) + 1;
+      const int column = pixel.x % columns, row = pixel.y % rows;
+      part = static_cast<uint32_t>(column + columns * row);
+      pixel.x -= column;
+      pixel.y -= row;
     }
-    pixel.sample = 0;
-    const auto r = random_pair(settings_.seed, context_.tables.sampler.frame(), pixel,
-                               branch.stream << 8 | dimension::kPattern);
-    const double turn = 2 * std::numbers::pi * r[0];
-    const uint32_t part = permuted(sample, samples(), static_cast<uint64_t>(r[1] * 0x1p53));
+    double turn = 0;
+    if (settings_.diffuse_set == DiffuseSet::turned) {
+      // One turn for all samples of a set keeps it together; each takes a part of it, in random order.
+      pixel.sample = 0;
+      const auto r = random_pair(settings_.seed, context_.tables.sampler.frame(), pixel,
+                                 branch.stream << 8 | dimension::kPattern);
+      turn = 2 * std::numbers::pi * r[0];
+      part = permuted(part, samples(), static_cast<uint64_t>(r[1] * 0x1p53));
+    }
     const uint32_t place = gatherings_.add(fork, depth, part, branch, surface, turn, share);
     Gathering& gathering = gatherings_[place];
     if (secondary.is_reflected) {

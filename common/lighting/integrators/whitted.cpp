@@ -52,7 +52,7 @@ class WhittedIntegrator : public Integrator {
       const Branch& branch = batch.branches[ray_of[k]];
       SecondaryRays secondary;
       if (batch.depth < settings.max_depth && surfaces[k].has_secondary_rays())
-        secondary = secondary_rays(surfaces[k], branch.weight, settings.min_weight);
+        secondary = secondary_rays(surfaces[k], branch, settings);
       if (!secondary.is_transmitted && !secondary.is_reflected) {
         tree_.deliver(branch.receiver, surfaces[k].light());
         continue;
