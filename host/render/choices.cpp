@@ -156,4 +156,17 @@ std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneD
   return notes;
 }
 
+std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene) {
+  const auto is_gouraud = [](const auto& polygon) {
+    return polygon.smoothing == static_cast<uint32_t>(Smoothing::gouraud);
+  };
+  const auto any = [&](const auto& polygons) {
+    return std::any_of(polygons.begin(), polygons.end(), is_gouraud);
+  };
+  if (settings.lighting == LightingModel::path &&
+      (any(scene.triangle_shading) || any(scene.polygons) || any(scene.mesh_faces)))
+    return {"`smooth: gouraud` belongs to the classical lighting models; `path` interpolates the normals"};
+  return {};
+}
+
 }  // namespace rayfarm

@@ -4,6 +4,7 @@
 
 #include "common/description/scene_description.h"
 #include "common/scene/render_settings.h"
+#include "common/scene/scene.h"
 #include "host/render/render_options.h"
 
 namespace rayfarm {
@@ -28,5 +29,8 @@ std::vector<std::string> name_limits(const RenderOptions& options, const Subpoly
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);
 /// Names those that could do something, but not in this scene.
 std::vector<std::string> name_idle_options(const RenderSettings& settings, const SceneDescription& scene);
+
+/// What the scene asks for in vain from the chosen lighting model.
+std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene);
 
 }  // namespace rayfarm

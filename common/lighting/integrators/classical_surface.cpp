@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "common/lighting/glass_shadows.h"
+#include "common/lighting/integrators/gouraud.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "common/math/portable_math.h"
 
@@ -52,6 +53,7 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     OfPacket<Ray> rays;
     OfPacket<Facing> facing;
     for (ClassicalSurface& s : surfaces) {
+      if (s.surface.is_gouraud) continue;
       const bool is_mirrored = highlights.has_reflected_rays && has_extent(light) && s.has_reflection();
       if (is_mirrored && !(s.material->diffuse > 0)) continue;
       Vec3 target = place.position;
@@ -84,6 +86,8 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
       add_light(facing[k], highlights.shape);
     }
   }
+  for (ClassicalSurface& s : surfaces)
+    if (s.surface.is_gouraud) add_gouraud_light(context, highlights, s, counts);
 }
 
 }  // namespace rayfarm

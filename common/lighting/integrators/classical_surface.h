@@ -11,25 +11,27 @@ namespace rayfarm {
 
 /// Where a ray met a surface, and the light that it sees there.
 struct ClassicalSurface {
-  /// No light yet. `width`: of the ray's cone at the hit; `stream` tells the rays of one sample apart, for
-  /// their random numbers.
-  ClassicalSurface(const FrameContext& context, const Ray& ray, const Hit& hit, double width,
+  /// No light yet. Ray and hit must outlive it. `width`: of the ray's cone at the hit; `stream` tells the
+  /// rays of one sample apart, for their random numbers.
+  ClassicalSurface(const FrameContext& context, const Ray& of_ray, const Hit& of_hit, double width,
                    const SampleId& of_sample, uint32_t of_stream)
-      : surface(eval_surface(context.scene, context.pose, ray, hit)),
+      : surface(eval_surface(context.scene, context.pose, of_ray, of_hit)),
         material(&context.scene.materials[surface.material]),
         color(is_textured(*material)
-                  ? textured(context.scene, context.pose, ray, hit, *material, width, surface).color
+                  ? textured(context.scene, context.pose, of_ray, of_hit, *material, width, surface).color
                   : material->color),
-        direction(ray.direction),
-        instance(hit.instance),
+        direction(of_ray.direction),
+        ray(&of_ray),
+        hit(&of_hit),
         id(of_sample),
         stream(of_stream) {}
 
   Surface surface;
   const Material* material;
-  Color color;        ///< the material's, textured
-  Vec3 direction;     ///< of the ray
-  uint32_t instance;  ///< that it met
+  Color color;     ///< the material's, textured
+  Vec3 direction;  ///< of the ray
+  const Ray* ray;
+  const Hit* hit;
   SampleId id;
   uint32_t stream;
   const Media* media = nullptr;  ///< that the ray came through; null: none
@@ -41,7 +43,7 @@ struct ClassicalSurface {
   bool has_secondary_rays() const { return has_reflection() || material->transmit > 0; }
   bool has_reflection() const { return material->reflect > 0 && has_reflected_rays(*material); }
   Color emission(const FrameContext& context) const {
-    return emission_at(context.scene, context.pose, instance, *material, interaction());
+    return emission_at(context.scene, context.pose, hit->instance, *material, interaction());
   }
   void add_ambient(const Scene& scene, AmbientColour weighed_by) {
     const Color ambient = material->ambient * scene.head().ambient;
