@@ -35,6 +35,19 @@ ColouredScene::ColouredScene(const Scene& scene, const ColourPass& pass) : pass_
   scene_.lights = lights_;
 }
 
+void ColouredScene::set_lights(const FrameLights& lights) {
+  if (lights_.empty()) lights_.assign(scene_.lights.begin(), scene_.lights.end());
+  if (header_.empty()) header_.assign(1, scene_.head());
+  header_[0].first_luminaire = lights.first_luminaire;
+  header_[0].far_away = lights.far_away;
+  shining_.clear();
+  for (const uint32_t i : lights.shining) shining_.push_back(lights_[i]);
+  shares_ = lights.shares;
+  scene_.header = header_;
+  scene_.lights = shining_;
+  scene_.light_shares = shares_;
+}
+
 std::vector<ColouredScene> make_coloured_scenes(const Scene& scene, ColourModel model) {
   bool is_dispersive = false;
   for (const Material& m : scene.materials) is_dispersive = is_dispersive || m.abbe > 0;

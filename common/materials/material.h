@@ -53,6 +53,11 @@ struct Material {
   double abbe = 0;         ///< dispersion of a dielectric: its Abbe number; 0: none
   Color filter{1};         ///< what is left of light after one unit of length in a dielectric
   Color back{0}, through{0};
+  /// Of a luminaire whose radiance differs by direction; with its axis and where its horizontal angle is 0,
+  /// unit, in the object's space.
+  uint32_t diagram = kNone;
+  uint32_t reserved = 0;
+  Vec3 diagram_axis{0, -1, 0}, diagram_zero{1, 0, 0};
 };
 
 inline bool has_reflected_rays(const Material& m) {

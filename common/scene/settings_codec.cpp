@@ -24,10 +24,11 @@ void check_settings(const RenderSettings& settings) {
   const auto is_of_lobe = [](uint32_t rays) { return rays >= 1 && rays <= kMostLobeRays; };
   if (!is_cut(settings.subpixels.columns) || !is_cut(settings.subpixels.rows) || settings.samples < 1 ||
       settings.diffuse_rays < 1 || !is_of_lobe(settings.reflected_rays) ||
-      !is_of_lobe(settings.transmitted_rays) || settings.max_depth > 1000 ||
+      !is_of_lobe(settings.transmitted_rays) || settings.max_depth < 1 || settings.max_depth > kMostDepth ||
+      settings.max_reflections >= kMostDepth || settings.max_transmissions >= kMostDepth ||
       !std::isfinite(settings.shutter) || !std::isfinite(settings.diffuse_reach) ||
-      !std::isfinite(settings.diffuse_contrast) || settings.max_depth < 1 || !(settings.min_weight >= 0) ||
-      !(settings.shutter >= 0) || !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
+      !std::isfinite(settings.diffuse_contrast) || !(settings.min_weight >= 0) || !(settings.shutter >= 0) ||
+      !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
       !(settings.diffuse_contrast >= 0))
     throw SettingsError("a number among the settings is out of range");
   if (const uint64_t directions = diffuse_directions_of(settings); directions > kMostDiffuseDirections)

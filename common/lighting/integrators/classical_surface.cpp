@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "common/lighting/glass_shadows.h"
-#include "common/lighting/light_sampling.h"
+#include "common/lighting/integrators/gouraud.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "common/math/portable_math.h"
 
@@ -49,12 +49,14 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     const Light& light = context.scene.lights[i];
     if (light.kind == LightKind::environment)
       continue;  // diffuse rays meet it, or ambient light stands for it
+    const LightPlace& place = context.pose[light];
     OfPacket<Ray> rays;
     OfPacket<Facing> facing;
     for (ClassicalSurface& s : surfaces) {
+      if (s.surface.is_gouraud) continue;
       const bool is_mirrored = highlights.has_reflected_rays && has_extent(light) && s.has_reflection();
       if (is_mirrored && !(s.material->diffuse > 0)) continue;
-      Vec3 target = light.position;
+      Vec3 target = place.position;
       Facing f{&s, target - s.surface.p, 0, light.color, !is_mirrored};
       if (light.kind != LightKind::point) {
         const LightSample sample =
@@ -84,6 +86,8 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
       add_light(facing[k], highlights.shape);
     }
   }
+  for (ClassicalSurface& s : surfaces)
+    if (s.surface.is_gouraud) add_gouraud_light(context, highlights, s, counts);
 }
 
 }  // namespace rayfarm

@@ -4,7 +4,8 @@
 
 namespace rayfarm {
 
-SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, const RenderSettings& settings) {
+SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& branch,
+                             const RenderSettings& settings) {
   const Material& material = *surface.material;
   const auto rays_of_lobe = [&](uint32_t wanted) { return material.exponent > 0 ? wanted : 1; };
   SecondaryRays rays;
@@ -16,11 +17,13 @@ SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, con
     const uint32_t wanted = rays_of_lobe(settings.transmitted_rays);
     if (rays.transmitted == Vec3(0))
       rays.reflect += material.transmit;
-    else if (weight * max_component(rays.transmit) / wanted >= settings.min_weight)
+    else if (branch.transmissions < settings.max_transmissions &&
+             branch.weight * max_component(rays.transmit) / wanted >= settings.min_weight)
       rays.transmitted_rays = wanted;
   }
   const uint32_t wanted = rays_of_lobe(settings.reflected_rays);
-  if (has_reflected_rays(material) && weight * rays.reflect / wanted >= settings.min_weight) {
+  if (has_reflected_rays(material) && branch.reflections < settings.max_reflections &&
+      branch.weight * rays.reflect / wanted >= settings.min_weight) {
     rays.reflected_rays = wanted;
     rays.reflected = mirrored(at);
   }
@@ -92,6 +95,7 @@ void LightingTree::grow_secondary(const FrameContext& context, uint32_t fork, co
               {rays.transmitted_rays, rays.transmitted,
                rays.transmit / static_cast<double>(rays.transmitted_rays), kTransmitted},
               transmitted, [&](Branch& branch) {
+                ++branch.transmissions;
                 branch.skips_sources = branch.skips_sources && is_lit_through;
                 if (is_dielectric) branch.media.cross(surface.surface.material, surface.surface.is_front);
               });
@@ -99,7 +103,10 @@ void LightingTree::grow_secondary(const FrameContext& context, uint32_t fork, co
   if (rays.reflected_rays > 0)
     grow_lobe(context, {Receiver::Kind::reflected, fork}, from, surface,
               {rays.reflected_rays, rays.reflected, Color(rays.reflect / rays.reflected_rays), kReflected},
-              reflected, [](Branch& branch) { branch.skips_sources = false; });
+              reflected, [](Branch& branch) {
+                ++branch.reflections;
+                branch.skips_sources = false;
+              });
 }
 
 }  // namespace rayfarm

@@ -31,7 +31,8 @@ struct Branch {
   uint32_t stream = 0;  ///< tells the branches of one sample apart, for their random numbers
   /// Of its cone where it begins (once traced: where it ends), and what it gains with each unit of length.
   double width = 0, spread = 0;
-  Media media;  ///< that it is in
+  uint16_t reflections = 0, transmissions = 0;  ///< on the way from the eye, this ray's own with them
+  Media media;                                  ///< that it is in
   /// Sources that it meets were found by the shadow rays of the surface that a diffuse ray left.
   bool skips_sources = false;
 
@@ -75,8 +76,10 @@ struct SecondaryRays {
 
 /// Those of a surface that has any. One that transmits also spawns a reflected ray, even one of weight 0 if
 /// there is no cut-off: that is how published ray counts were made. Total internal reflection sends the
-/// transmitted share along the mirror direction. `weight`: of the ray that met the surface.
-SecondaryRays secondary_rays(const ClassicalSurface& surface, double weight, const RenderSettings& settings);
+/// transmitted share along the mirror direction, and is a reflection. `branch`: that met the surface; limits
+/// other than the depth are kept.
+SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& branch,
+                             const RenderSettings& settings);
 
 class LightingTree {
  public:

@@ -22,7 +22,7 @@ struct Path {
   Media media;
   double pdf = 0;  ///< of the last direction; 0: only chance could have led here, as along a mirror's
   double width = 0, spread = 0;  ///< of the ray's cone
-  uint32_t depth = 1;
+  uint32_t depth = 1, reflections = 0, transmissions = 0;
 };
 static_assert(std::is_trivially_copyable_v<Path>);
 
@@ -115,6 +115,7 @@ class PathTracer {
 
     Lobes lobes;
     scatter(material, at, lobes);
+    keep_allowed(path, lobes);
     if (has_diffuse_rays(material)) {
       add_direct_light(path, surface, at, lobes, lobes);
     } else {
@@ -135,11 +136,24 @@ class PathTracer {
     if (!survives(path, is_risky ? lobe.y : 0)) return false;
     if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
     ++path.depth;
+    ++(next.is_transmitted ? path.transmissions : path.reflections);
     ++(next.is_transmitted                    ? counts_[RayKind::transmitted]
        : next.spread == Lobe::Spread::diffuse ? counts_[RayKind::diffuse]
                                               : counts_[RayKind::reflected]);
     ray = {surface.ray_origin(next.direction), next.direction};
     return true;
+  }
+
+  /// Light that has been reflected or transmitted as often as is allowed goes on by the other lobes alone. So
+  /// what a shadow ray finds is limited as what the path itself finds.
+  void keep_allowed(const Path& path, Lobes& lobes) const {
+    const bool reflects = path.reflections < settings_.max_reflections,
+               transmits = path.transmissions < settings_.max_transmissions;
+    if (reflects && transmits) return;
+    Lobes allowed;
+    for (const Lobe& lobe : lobes)
+      if (lobe.is_transmitted ? transmits : reflects) allowed.push_back(lobe);
+    lobes = allowed;
   }
 
   Vec2 point(const Path& path, dimension::Bounce use) const {
@@ -149,7 +163,7 @@ class PathTracer {
   void add_emission(Path& path, const Ray& ray, const Hit& hit, const Surface& surface,
                     const Material& material, const Interaction& at) {
     if (!is_luminaire(material)) return;
-    Color light = path.throughput * emitted(material, at);
+    Color light = path.throughput * emission_at(scene_, pose_, hit.instance, material, at);
     if (path.pdf > 0)
       if (const uint32_t source = find_luminaire(scene_, hit.instance, hit.primitive); source != kNone)
         light *= balance(path.pdf, choice_probability(scene_, source) *

@@ -155,7 +155,7 @@ class ThesisTracer {
         branch.skips_sources && find_luminaire(scene_, hit.instance, hit.primitive) != kNone;
     const bool serves_both = ray && ray->serves_both;
     if (is_counted && !serves_both) return;
-    const Color light = emitted(*surface.material, surface.interaction());
+    const Color light = surface.emission(context_);
     surface.specular += light;
     if (is_counted) ray->counted = branch.receiver.share * light;
   }
@@ -189,9 +189,10 @@ class ThesisTracer {
   bool add_rays(const Branch& branch, const ClassicalSurface& surface, Batch*& transmitted,
                 Batch*& reflected) {
     SecondaryRays secondary;
-    if (surface.has_secondary_rays()) secondary = secondary_rays(surface, branch.weight, settings_);
+    if (surface.has_secondary_rays()) secondary = secondary_rays(surface, branch, settings_);
     const Color share = (surface.material->diffuse / settings_.diffuse_rays) * surface.color;
-    const bool is_gathered = has_diffuse_rays(*surface.material) && max_component(share) > 0 &&
+    const bool is_gathered = has_diffuse_rays(*surface.material) &&
+                             branch.reflections < settings_.max_reflections && max_component(share) > 0 &&
                              branch.weight * max_component(share) >= settings_.min_weight;
     if (!is_gathered && secondary.transmitted_rays + secondary.reflected_rays == 0) return false;
     const uint32_t fork = tree_.add_fork(branch.receiver, surface.light());
@@ -328,6 +329,7 @@ class ThesisTracer {
                                         serves_both ? LightingTree::kReflected : child, batch);
     branch.receiver = {Receiver::Kind::own, place, static_cast<uint32_t>(ray)};
     branch.skips_sources = true;
+    ++branch.reflections;
     if (!serves_both) branch.spread = kDiffuseSpread;
     ++counts_[serves_both ? RayKind::reflected : RayKind::diffuse];
   }

@@ -33,7 +33,7 @@ class WhittedIntegrator : public Integrator {
       ClassicalSurface& surface =
           surfaces.emplace_back(context, batch.rays[i], hits[i], branch.width, branch.id, branch.stream);
       surface.media = &branch.media;
-      surface.add_ambient_and_emission(context.scene, context.tables.settings.ambient_colour);
+      surface.add_ambient_and_emission(context);
       ray_of_surface.push_back(i);
     }
     if (!surfaces.empty()) {
@@ -55,7 +55,7 @@ class WhittedIntegrator : public Integrator {
       const Branch& branch = batch.branches[ray_of[k]];
       SecondaryRays secondary;
       if (batch.depth < settings.max_depth && surfaces[k].has_secondary_rays())
-        secondary = secondary_rays(surfaces[k], branch.weight, settings);
+        secondary = secondary_rays(surfaces[k], branch, settings);
       if (secondary.transmitted_rays + secondary.reflected_rays == 0) {
         tree_.deliver(branch.receiver, surfaces[k].light());
         continue;
