@@ -120,16 +120,16 @@ class Node {
       return next;
     }
     if (plan_->policy != AssignmentPolicy::interleaved) return std::nullopt;
-    while (own_.empty()) {
-      if (own_step_ >= open_end_ || own_step_.value() >= phase_->steps()) return std::nullopt;
-      for (SubpolygonId s; s.value() < phase_->items_per_step(); ++s)
-        if (const ItemIndex item = phase_->item_of(own_step_, s); owner_of(*plan_, *phase_, item) == self_)
-          own_.push_back({own_step_, phase_->polygon_of(item)});
+    if (!own_set_)
+      own_set_ = interleaved_set(phase_->grid, plan_->sets, plan_->processors, processor_of(self_));
+    if (own_set_->empty()) return std::nullopt;
+    if (next_of_set_ == own_set_->size()) {
       ++own_step_;
+      next_of_set_ = 0;
     }
-    const Assigned next = own_.front();
-    own_.pop_front();
-    return next;
+    if (own_step_ >= open_end_ || own_step_.value() >= phase_->steps()) return std::nullopt;
+    const SubpolygonId own = own_subpolygon(*plan_, *phase_, own_step_, (*own_set_)[next_of_set_++]);
+    return Assigned{own_step_, phase_->grid.polygon(own)};
   }
 
   void do_item(PhaseWorker& worker, const Assigned& assigned) {
@@ -180,8 +180,10 @@ class Node {
   StepIndex step_;  ///< of the display polygons to come
   std::deque<Assigned> assigned_;
   StepIndex open_end_;  ///< interleaved: steps before this may be worked on
-  StepIndex own_step_;  ///< interleaved: the first whose items are not in own_
-  std::deque<Assigned> own_;
+  StepIndex own_step_;  ///< interleaved: at whose items the node is
+  /// Interleaved: the node's own subpolygons of the first frame, once they are needed.
+  std::optional<std::vector<SubpolygonId>> own_set_;
+  size_t next_of_set_ = 0;
 };
 
 }  // namespace

@@ -9,7 +9,8 @@ constexpr double kTicksPerSecond = 1e12, kFactorUnit = 1e6;
 
 enum class PhaseKind : uint8_t { pictures };
 
-enum Flag : uint8_t { kPixelWire = 1, kCompresses = 2, kRotates = 4 };
+enum Flag : uint8_t { kPixelWire = 1, kCompresses = 2, kRotates = 4, kRows = 8 };
+constexpr int kAllFlags = kPixelWire | kCompresses | kRotates | kRows;
 
 void write_phase(ByteWriter& w, const PicturesPhase& phase) {
   w.u8(static_cast<uint8_t>(PhaseKind::pictures));
@@ -50,7 +51,8 @@ Bytes encode_plan(const JobPlan& plan) {
   w.text(plan.build);
   w.u8(static_cast<uint8_t>(plan.policy));
   w.u8(static_cast<uint8_t>((plan.wire == Wire::pixel ? kPixelWire : 0) |
-                            (plan.compresses ? kCompresses : 0) | (plan.rotates ? kRotates : 0)));
+                            (plan.compresses ? kCompresses : 0) | (plan.rotates ? kRotates : 0) |
+                            (plan.sets == SetPattern::rows ? kRows : 0)));
   w.u32(static_cast<uint32_t>(plan.processors));
   w.u32(static_cast<uint32_t>(plan.host_timeout_s * 1000));
   w.varint(static_cast<uint64_t>(plan.ray_time_s * kTicksPerSecond));
@@ -68,12 +70,12 @@ JobPlan decode_plan(std::span<const std::byte> bytes) {
   JobPlan plan;
   plan.build = r.text();
   const uint8_t policy = r.u8(), flags = r.u8();
-  if (policy > 1 || flags > (kPixelWire | kCompresses | kRotates))
-    throw ProtocolError("a plan of unknown policy or wire");
+  if (policy > 1 || (flags & ~kAllFlags) != 0) throw ProtocolError("a plan of unknown policy, wire or sets");
   plan.policy = static_cast<AssignmentPolicy>(policy);
   plan.wire = flags & kPixelWire ? Wire::pixel : Wire::block;
   plan.compresses = flags & kCompresses;
   plan.rotates = flags & kRotates;
+  plan.sets = flags & kRows ? SetPattern::rows : SetPattern::lattice;
   plan.processors = static_cast<int>(r.u32());
   if (plan.processors < 1 || plan.processors > kMostProcessors)
     throw ProtocolError("a plan for no processor, or for too many");
@@ -97,9 +99,22 @@ const PicturesPhase& pictures_of(const JobPlan& plan) {
   throw ProtocolError("a plan without pictures");
 }
 
+namespace {
+/// How often the sets of a frame have moved on.
+FrameIndex moves_of(const JobPlan& plan, FrameIndex frame) {
+  return plan.rotates ? frame : FrameIndex(0);
+}
+}  // namespace
+
 NodeId owner_of(const JobPlan& plan, const PicturesPhase& phase, ItemIndex item) {
-  const FrameIndex shift = plan.rotates ? phase.frame_of(item) : FrameIndex(0);
-  return NodeId(interleaved_owner(phase.grid, plan.processors, shift, phase.subpolygon_of(item)) + 1);
+  const FrameIndex moves = moves_of(plan, phase.frame_of(item));
+  const SubpolygonId subpolygon = phase.subpolygon_of(item);
+  return NodeId(interleaved_owner(phase.grid, plan.sets, plan.processors, moves, subpolygon) + 1);
+}
+
+SubpolygonId own_subpolygon(const JobPlan& plan, const PicturesPhase& phase, FrameIndex frame,
+                            SubpolygonId of_set) {
+  return moved_right(phase.grid, of_set, moves_of(plan, frame));
 }
 
 }  // namespace rayfarm

@@ -61,6 +61,19 @@ SubpolygonGrid best_grid(int left, int top, int width, int height, int processor
   return best;
 }
 
+/// Counting row by row gives every processor as many; so do the rows in any other order, as long as whole
+/// periods, after which their beginnings repeat, stay together. In this one each row begins about a golden
+/// part of the processors further on than the one above.
+int lattice_owner(const SubpolygonGrid& grid, int processors, SubpolygonId subpolygon) {
+  const int64_t row = subpolygon.value() / grid.columns, column = subpolygon.value() % grid.columns;
+  const int common = std::gcd(grid.columns, processors), period = processors / common;
+  const bool is_whole_period = row / period < grid.rows / period;
+  const int64_t step = is_whole_period ? golden_step(period) : grid.columns / common % period;
+  const int64_t begin = common * (row % period * step % period);
+  const int64_t shift = row / period * std::max(1, golden_part(common));
+  return static_cast<int>((column + begin + shift) % processors);
+}
+
 }  // namespace
 
 DisplayPolygon SubpolygonGrid::polygon(SubpolygonId subpolygon) const {
@@ -78,6 +91,10 @@ std::optional<SubpolygonId> SubpolygonGrid::find(const DisplayPolygon& p) const 
   return polygon(subpolygon) == p ? std::optional(subpolygon) : std::nullopt;
 }
 
+int64_t room_for(int width, int height, int least_side) {
+  return int64_t{std::max(1, width / least_side)} * std::max(1, height / least_side);
+}
+
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors, int per_processor,
                          int least_side, size_t most_pixels) {
   double wanted = double(per_processor) * std::max(1, processors);
@@ -90,25 +107,23 @@ SubpolygonGrid make_grid(int left, int top, int width, int height, int processor
   }
 }
 
-int interleaved_owner(const SubpolygonGrid& grid, int processors, FrameIndex frame, SubpolygonId subpolygon) {
-  // Counting row by row gives every processor as many; so do the rows in any other order, as long as whole
-  // periods, after which their beginnings repeat, stay together. In this one each row begins about a golden
-  // part of the processors further on than the one above, so that the subpolygons of a processor make a
-  // lattice without short steps: a hard patch of any shape falls to all alike.
-  const int64_t row = subpolygon.value() / grid.columns, column = subpolygon.value() % grid.columns;
-  const int common = std::gcd(grid.columns, processors), period = processors / common;
-  const bool is_whole_period = row / period < grid.rows / period;
-  const int64_t step = is_whole_period ? golden_step(period) : grid.columns / common % period;
-  const int64_t begin = common * (row % period * step % period);
-  const int64_t shift = row / period * std::max(1, golden_part(common));
-  return static_cast<int>((column + begin + shift + frame.value()) % processors);
+SubpolygonId moved_right(const SubpolygonGrid& grid, SubpolygonId subpolygon, FrameIndex frames) {
+  return SubpolygonId(static_cast<int>((int64_t{subpolygon.value()} + frames.value()) % grid.count()));
 }
 
-std::vector<SubpolygonId> interleaved_set(const SubpolygonGrid& grid, int processors, FrameIndex frame,
+int interleaved_owner(const SubpolygonGrid& grid, SetPattern pattern, int processors, FrameIndex frame,
+                      SubpolygonId subpolygon) {
+  const int back = grid.count() - frame.value() % grid.count();
+  const SubpolygonId at_first = moved_right(grid, subpolygon, FrameIndex(back));
+  return pattern == SetPattern::rows ? at_first.value() % processors
+                                     : lattice_owner(grid, processors, at_first);
+}
+
+std::vector<SubpolygonId> interleaved_set(const SubpolygonGrid& grid, SetPattern pattern, int processors,
                                           int processor) {
   std::vector<SubpolygonId> set;
   for (SubpolygonId s; s.value() < grid.count(); ++s)
-    if (interleaved_owner(grid, processors, frame, s) == processor) set.push_back(s);
+    if (interleaved_owner(grid, pattern, processors, FrameIndex(0), s) == processor) set.push_back(s);
   return set;
 }
 

@@ -23,8 +23,8 @@ struct SubpolygonGrid {
 /// The thesis's number of subpolygons for each processor.
 inline constexpr int kSubpolygonsPerProcessor = 64;
 
-/// None is narrower, unless the picture is.
-inline constexpr int kLeastSide_px = 8;
+/// Of a subpolygon that is returned as a block: smaller ones are mostly header.
+inline constexpr int kLeastBlockSide_px = 8;
 
 /// What a result may weigh: far below the 2 GiB of an MPI message, so that no node or net is busy for long
 /// with one.
@@ -33,15 +33,29 @@ inline constexpr size_t kMostSubpolygonBytes = 64 << 20;
 /// About so many subpolygons per processor, none narrower than `least_side` pixels unless the rectangle is,
 /// none with more than `most_pixels`.
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors,
-                         int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastSide_px,
+                         int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastBlockSide_px,
                          size_t most_pixels = kMostSubpolygonBytes / kPixelBytes);
 
-/// The processor (0 to processors - 1) that traces a subpolygon of a frame: evenly spread over the image, and
-/// the next processor's set in the next frame.
-int interleaved_owner(const SubpolygonGrid& grid, int processors, FrameIndex frame, SubpolygonId subpolygon);
+/// How many subpolygons of at least this side a rectangle has room for.
+int64_t room_for(int width, int height, int least_side);
 
-/// The subpolygons of one processor in one frame, in order.
-std::vector<SubpolygonId> interleaved_set(const SubpolygonGrid& grid, int processors, FrameIndex frame,
+/// How the sets of subpolygons lie that processors trace by themselves.
+enum class SetPattern : uint8_t {
+  lattice,  ///< without short steps in any direction: a hard patch of any shape falls to all alike
+  rows      ///< counted off row by row, one in every `processors`
+};
+
+/// The processor (0 to processors - 1) that traces a subpolygon of a frame. The sets are evenly spread over
+/// the image, and from frame to frame each moves to the right: from the right edge to the left of the row
+/// below, from the bottom right corner to the top left (thesis 4.4.4.2).
+int interleaved_owner(const SubpolygonGrid& grid, SetPattern pattern, int processors, FrameIndex frame,
+                      SubpolygonId subpolygon);
+
+/// The subpolygons of one processor in the first frame, in order.
+std::vector<SubpolygonId> interleaved_set(const SubpolygonGrid& grid, SetPattern pattern, int processors,
                                           int processor);
+
+/// Where a subpolygon of a set is after so many frames.
+SubpolygonId moved_right(const SubpolygonGrid& grid, SubpolygonId subpolygon, FrameIndex frames);
 
 }  // namespace rayfarm

@@ -43,6 +43,7 @@ class PartCompiler {
     for (uint32_t object = 0; object < description_.objects.size(); ++object)
       if (!is_added[object]) add(object, std::span(&object, 1));
     if (!arrays_.triangle_uvs.empty()) arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size());
+    if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size());
   }
 
   const Luminaires& luminaires() const { return luminaires_; }
@@ -61,9 +62,10 @@ class PartCompiler {
     for (const uint32_t object : objects)
       for (const PrimitiveDescription& p : description_.objects[object].primitives)
         shapes_.add(primitives, p);
-    if (arrays_.triangle_shading.size() > limits::kPrimitives)
+    if (arrays_.triangle_shading.size() > limits::kPrimitives ||
+        arrays_.face_corners.size() > limits::kFaceCorners)
       throw InputError(description_.source(description_.objects[owner].place),
-                       "the scene has too many triangles");
+                       "the scene has too many triangles or corners of faces");
     if (primitives.ids.empty()) return;
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(build_part(arrays_, primitives, options_));
@@ -92,10 +94,11 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   add_listed_lights(arrays, description);
   PartCompiler parts(arrays, description, options);
   parts.add_all();
-  ObjectTree(arrays, description, parts.part_of(), options.stop).expand();
+  LightPlaces places;
+  places.in_objects = ObjectTree(arrays, description, parts.part_of(), options.stop).expand();
   build_object_part(arrays, description, options.stop);
-  const std::vector<Place> luminaire_places =
-      add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
+  add_environment(arrays, description);
+  places.luminaires = add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
   weigh_lights(arrays);
 
   CompiledScene result;
@@ -103,7 +106,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.scene = decode_scene(result.block.bytes());
   result.notes = description.notes;
   parts.add_notes(result.notes);
-  add_notes_of_darkness(description, result.scene, luminaire_places, result.notes);
+  add_notes_of_darkness(description, result.scene, places, result.notes);
   return result;
 }
 

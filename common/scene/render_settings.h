@@ -33,8 +33,23 @@ struct Subpixels {
   friend bool operator==(const Subpixels&, const Subpixels&) = default;
 };
 
+/// What bodies that transmit light do to shadow rays.
+enum class GlassShadows : uint8_t {
+  blocked,      ///< they stop them as others do
+  transparent,  ///< they let them go straight on, weakened (thesis 2.2.4: nonrefractive transparent objects)
+  none          ///< they cast no shadow (thesis 3.5.1: many researchers omit it)
+};
+
+/// What weighs ambient light (thesis 2.2.2).
+enum class AmbientColour : uint8_t { surface, light };
+
+/// The most rays of one lobe: rays that a surface reflects, or transmits.
+inline constexpr uint32_t kMostLobeRays = 1000;
+
 /// The depth of paths if nothing else is asked for: roulette ends nearly all long before.
 inline constexpr uint32_t kPathDepth = 100;
+/// The greatest depth that can be asked for.
+inline constexpr uint32_t kMostDepth = 1000;
 
 /// Everything that a pixel's value depends on beside scene, frame and position.
 struct RenderSettings {
@@ -49,12 +64,21 @@ struct RenderSettings {
   Subpixels subpixels;   ///< other than one only where rays go through corners
   /// Pixels whose first samples differ by no more than this from their neighbours' get no others; 0: all do.
   double adaptive_contrast = 0;
-  uint32_t max_depth = 5;     ///< of the lighting tree, or of a path; the eye ray is depth 1
+  /// Limits of each branch of the lighting tree, or of a path, by the kinds of its rays; diffuse ones count
+  /// as reflected. "After about four or five reflections or about seven transparent objects there is little
+  /// more" (thesis 2.3.4).
+  uint32_t max_reflections = 4, max_transmissions = 7;
+  uint32_t max_depth = 12;    ///< of all kinds; the eye ray is depth 1, and both limits fit in
   double min_weight = 1e-6;   ///< rays that would contribute less are not traced; 0: no cut-off
   uint32_t diffuse_rays = 1;  ///< N_D of the thesis's model, per hit
   double diffuse_reach = 0;   ///< where a diffuse ray's strength has fallen to a half; 0: it never falls
   /// Difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never.
   double diffuse_contrast = 0;
+  /// N_RS and N_T of Equation 3.2: rays that a surface with an exponent reflects and transmits in the models
+  /// of Whitted and of the thesis, spread over its lobe; 1: along its axis.
+  uint32_t reflected_rays = 1, transmitted_rays = 1;
+  GlassShadows glass_shadows = GlassShadows::blocked;
+  AmbientColour ambient_colour = AmbientColour::surface;
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   DiffuseBands diffuse_bands = DiffuseBands::flux;
   DiffuseSet diffuse_set = DiffuseSet::turned;
@@ -66,12 +90,20 @@ struct RenderSettings {
   template <typename Archive>
   void serialize(Archive& archive) {
     auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
-    archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples, subpixels,
-            adaptive_contrast, max_depth, min_weight, diffuse_rays, diffuse_reach, diffuse_contrast, jitter,
-            diffuse_bands, diffuse_set, seed, pixel_format);
+    archive(width_px, height_px, crop, lighting, colour, pixel_format, seed);
+    archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast);
+    archive(max_reflections, max_transmissions, max_depth, min_weight);
+    archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
+    archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);
     diffuse_jitter = jitter != 0;
   }
 };
+
+/// The depth alone limits, whatever the rays are.
+inline void limit_by_depth(RenderSettings& settings, uint32_t depth) {
+  settings.max_depth = depth;
+  settings.max_reflections = settings.max_transmissions = depth - 1;
+}
 
 /// The most directions that the diffuse rays of a pixel are spread over; every renderer holds them.
 inline constexpr uint64_t kMostDiffuseDirections = 1 << 22;

@@ -30,6 +30,12 @@ void add_rate(Options& options, double& rate_bit_per_s) {
       "of the net, in bits per second (default: 8mbit)", "RATE");
 }
 
+void add_sets(Options& options, SetPattern& sets) {
+  options.choice<SetPattern>("--sets", sets, {{"lattice", SetPattern::lattice}, {"rows", SetPattern::rows}},
+                             "interleaved: how the subpolygons of one processor lie: without short steps, or "
+                             "counted off row by row, one in every N (default: lattice)");
+}
+
 void add_format(Options& options, TableFormat& format) {
   options.word(
       "--format",

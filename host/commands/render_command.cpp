@@ -6,6 +6,7 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/settings_codec.h"
 #include "host/commands/commands.h"
+#include "host/commands/net_options.h"
 #include "host/render/output_pattern.h"
 #include "host/render/render_options.h"
 
@@ -100,13 +101,39 @@ void add_light(Options& options, RenderOptions& o) {
                              "thesis's model: diffuse rays turned at random in each pixel, or the same "
                              "everywhere, as the thesis has "
                              "it: false reflections in place of noise (default: turned)");
+  options.number("--reflected-rays", o.settings.reflected_rays, 1, kMostLobeRays,
+                 "whitted and thesis: rays that a surface with an `exponent` reflects, spread over its lobe "
+                 "(default: 1, along the mirror direction)");
+  options.number("--transmitted-rays", o.settings.transmitted_rays, 1, kMostLobeRays,
+                 "the same of rays that pass (default: 1, along the refracted direction)");
+  options.choice<GlassShadows>("--glass-shadows", o.settings.glass_shadows,
+                               {{"blocked", GlassShadows::blocked},
+                                {"none", GlassShadows::none},
+                                {"transparent", GlassShadows::transparent}},
+                               "not path: bodies that transmit stop light from sources, cast no shadow, or "
+                               "let it straight on, weakened (default: blocked)");
+  options.choice<AmbientColour>(
+      "--ambient-colour", o.settings.ambient_colour,
+      {{"light", AmbientColour::light}, {"surface", AmbientColour::surface}},
+      "phong, torrance-sparrow and whitted: ambient light has its own colour alone, or is weighed by the "
+      "surface's (default: surface)");
   options.choice<ColourModel>(
       "--colour", o.settings.colour,
       {{"meyer4", ColourModel::meyer4}, {"rgb", ColourModel::rgb}, {"spectral20", ColourModel::spectral20}},
       "what colours are computed as: red, green and blue, or spectra at 4 or 20 "
       "wavelengths (default: rgb)");
-  options.number("--max-depth", o.max_depth, 1, 1000,
-                 "depth of the lighting tree; the eye ray is 1 (default: 5; path: 100)");
+  options.number(
+      "--max-depth", o.max_depth, 1, kMostDepth,
+      "depth of the lighting tree; the eye ray is 1 (default: what the two limits below need, 12; path: "
+      "100)");
+  options.number(
+      "--max-reflections", o.max_reflections, 0, kMostDepth - 1,
+      "reflected and diffuse rays on a branch of the tree (default: 4; with --max-depth or path: as "
+      "deep as the tree)");
+  options.number(
+      "--max-transmissions", o.max_transmissions, 0, kMostDepth - 1,
+      "transmitted rays on a branch of the tree (default: 7; with --max-depth or path: as deep as the "
+      "tree)");
   options.number("--min-weight", o.settings.min_weight, 0, 1,
                  "do not trace rays that would contribute less (0: no cut-off; default: 1e-6)");
 }
@@ -164,10 +191,14 @@ void add_net(Options& options, RenderOptions& o) {
                  "without mpirun: how many nodes run inside this process (default: one per core)");
   options.number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s,
                  liveness::kMostNodeTimeout_s, "seconds of silence after which a node is lost (default: 8)");
+  add_sets(options, o.sets);
   options.flag("!--no-rotation", o.rotates,
                "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
   options.number("--subpolygons", o.subpolygons_per_processor, 1, 1 << 20,
-                 "per node, none narrower than 8 pixels (default: the thesis's 64)");
+                 "per node, as far as the picture has room (default: the thesis's 64)");
+  options.number("--least-side", o.least_side_px, 1, 65536,
+                 "of a subpolygon in pixels (default: 1 on the pixel wire; 8 for blocks, of which smaller "
+                 "ones are mostly header)");
   options.number("--processor-time", o.ray_time_s, 0, 1e3,
                  "emulate slow processors: seconds that a node takes for each ray, mostly asleep "
                  "(default: 0, as fast as it can)");
@@ -241,7 +272,33 @@ void check_combinations(const RenderOptions& o) {
     throw UsageError("--wire pixel carries three bytes of colour; use --pixel-format rgb8 or --wire block");
 }
 
-void check_render(const RenderOptions& o) {
+/// A limit that was not given follows from those that were: a depth alone leaves all kinds of rays to it, and
+/// limits of the kinds have the depth that they need.
+void set_limits(RenderOptions& o) {
+  RenderSettings& s = o.settings;
+  const bool is_path = s.lighting == LightingModel::path, has_depth = o.max_depth || is_path;
+  if (has_depth) limit_by_depth(s, o.max_depth.value_or(kPathDepth));
+  s.max_reflections = o.max_reflections.value_or(s.max_reflections);
+  s.max_transmissions = o.max_transmissions.value_or(s.max_transmissions);
+  if (!has_depth) s.max_depth = 1 + s.max_reflections + s.max_transmissions;
+  if (s.max_depth > kMostDepth)
+    throw UsageError(
+        fmt::format("--max-reflections {} and --max-transmissions {} make a tree of depth {}, more than {}; "
+                    "lower one of them",
+                    s.max_reflections, s.max_transmissions, s.max_depth, kMostDepth));
+  const auto check = [&s](const char* name, uint32_t limit) {
+    if (limit >= s.max_depth)
+      throw UsageError(fmt::format(
+          "{} {} can't be reached: a tree of depth {} has {} rays on a branch after the eye ray; raise "
+          "--max-depth or leave the limit out",
+          name, limit, s.max_depth, s.max_depth - 1));
+  };
+  check("--max-reflections", s.max_reflections);
+  check("--max-transmissions", s.max_transmissions);
+}
+
+void check_render(RenderOptions& o) {
+  set_limits(o);
   check_output(o);
   try {
     check_settings(o.settings);
@@ -261,8 +318,6 @@ void add_render_command(CommandLine& line) {
   verb.check = [o] {
     o->settings.subpixels = o->subpixels.value_or(Subpixels());
     check_render(*o);
-    o->settings.max_depth = o->max_depth.value_or(
-        o->settings.lighting == LightingModel::path ? kPathDepth : o->settings.max_depth);
   };
   verb.run = [o](const Renders& renders) { return renders.as_launched(*o); };
   verb.is_for_all_ranks = true;

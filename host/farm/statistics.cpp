@@ -78,6 +78,8 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                                       {"bytes_received", meter.of_node(n.id, Direction::to_node).bytes},
                                       {"bytes_sent", meter.of_node(n.id, Direction::to_host).bytes}});
   j["assign"] = plan.policy == AssignmentPolicy::on_demand ? "on-demand" : "interleaved";
+  if (plan.policy == AssignmentPolicy::interleaved)
+    j["sets"] = plan.sets == SetPattern::lattice ? "lattice" : "rows";
   j["wire"] = plan.wire == Wire::block ? "block" : "pixel";
   const SubpolygonGrid& grid = pictures_of(plan).grid;
   j["subpolygons"] = Json::Object{{"columns", grid.columns}, {"rows", grid.rows}};

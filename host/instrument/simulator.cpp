@@ -53,8 +53,7 @@ class Simulator {
  public:
   explicit Simulator(const Simulation& s)
       : s_(s),
-        grid_(make_grid(0, 0, s.cost.width_px, s.cost.height_px, s.processors, s.subpolygons_per_processor,
-                        s.least_side_px)),
+        grid_(grid_of(s)),
         processors_(static_cast<size_t>(s.processors)),
         nets_(static_cast<size_t>(s.nets)),
         host_out_(nets_.size()),
@@ -79,6 +78,7 @@ class Simulator {
     for (Server& net : nets_) net.serve(0, loaded);
     for (Server& out : host_out_) out.serve(0, loaded);
     const bool is_on_demand = s_.policy == AssignmentPolicy::on_demand;
+    if (!is_on_demand) lay_out_sets();
     for (int ahead = 0; ahead < (is_on_demand ? s_.assigned_ahead : 1); ++ahead)
       for (int p = 0; p < s_.processors; ++p) {
         if (is_on_demand)
@@ -137,7 +137,7 @@ class Simulator {
     int frame = 0;  ///< interleaved
     size_t next_of_set = 0;
   };
-  /// Interleaved: who traces what in a frame, processor by processor.
+  /// Interleaved: who traces what in the first frame, processor by processor.
   struct Sets {
     std::vector<SubpolygonId> subpolygons;
     std::vector<size_t> begin;
@@ -179,22 +179,17 @@ class Simulator {
     ++messages_;
   }
 
-  const Sets& sets_of(int frame) {
-    while (static_cast<int>(sets_.size()) <= frame) {
-      const FrameIndex index(s_.rotates ? static_cast<int>(sets_.size()) : 0);
-      Sets sets;
-      sets.begin.assign(processors_.size() + 1, 0);
-      std::vector<size_t> owners;
-      for (SubpolygonId i; i.value() < grid_.count(); ++i)
-        owners.push_back(static_cast<size_t>(interleaved_owner(grid_, s_.processors, index, i)));
-      for (const size_t owner : owners) ++sets.begin[owner + 1];
-      for (size_t p = 0; p < processors_.size(); ++p) sets.begin[p + 1] += sets.begin[p];
-      std::vector<size_t> next = sets.begin;
-      sets.subpolygons.resize(static_cast<size_t>(grid_.count()));
-      for (SubpolygonId i; i.value() < grid_.count(); ++i) sets.subpolygons[next[owners[i.place()]]++] = i;
-      sets_.push_back(std::move(sets));
-    }
-    return sets_[static_cast<size_t>(frame)];
+  void lay_out_sets() {
+    sets_.begin.assign(processors_.size() + 1, 0);
+    std::vector<size_t> owners;
+    for (SubpolygonId i; i.value() < grid_.count(); ++i)
+      owners.push_back(
+          static_cast<size_t>(interleaved_owner(grid_, s_.sets, s_.processors, FrameIndex(0), i)));
+    for (const size_t owner : owners) ++sets_.begin[owner + 1];
+    for (size_t p = 0; p < processors_.size(); ++p) sets_.begin[p + 1] += sets_.begin[p];
+    std::vector<size_t> next = sets_.begin;
+    sets_.subpolygons.resize(owners.size());
+    for (SubpolygonId i; i.value() < grid_.count(); ++i) sets_.subpolygons[next[owners[i.place()]]++] = i;
   }
 
   bool is_open(int frame) const { return frame < s_.frames && frame < whole_frames_ + s_.frames_open; }
@@ -209,9 +204,10 @@ class Simulator {
     }
     while (true) {
       if (!is_open(p.frame)) return false;
-      const Sets& sets = sets_of(p.frame);
-      if (sets.begin[index] + p.next_of_set < sets.begin[index + 1]) {
-        p.work = {p.frame, sets.subpolygons[sets.begin[index] + p.next_of_set++]};
+      if (const size_t next = sets_.begin[index] + p.next_of_set; next < sets_.begin[index + 1]) {
+        ++p.next_of_set;
+        const FrameIndex moves(s_.rotates ? p.frame : 0);
+        p.work = {p.frame, moved_right(grid_, sets_.subpolygons[next], moves)};
         return true;
       }
       ++p.frame;
@@ -349,7 +345,7 @@ class Simulator {
   std::vector<Server> nets_, host_out_, ports_, frame_buffers_;
   Server host_;
   std::vector<int> cell_x_, cell_y_;
-  std::vector<Sets> sets_;
+  Sets sets_;
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   uint64_t order_ = 0;
   std::vector<int64_t> left_;
@@ -362,6 +358,11 @@ class Simulator {
 };
 
 }  // namespace
+
+SubpolygonGrid grid_of(const Simulation& s) {
+  return make_grid(0, 0, s.cost.width_px, s.cost.height_px, s.processors, s.subpolygons_per_processor,
+                   s.least_side_px);
+}
 
 SimulationResult simulate(const Simulation& simulation) {
   check(simulation);

@@ -22,12 +22,15 @@ struct RenderOptions {
   RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
   std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds
   std::optional<Subpixels> subpixels;       ///< empty: one
-  std::optional<uint32_t> max_depth;        ///< empty: by the lighting model
+  /// Limits of the lighting tree; empty: what follows from the others and the lighting model.
+  std::optional<uint32_t> max_depth, max_reflections, max_transmissions;
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;
-  bool rotates = true;  ///< interleaved: sets move on from frame to frame
+  SetPattern sets = SetPattern::lattice;  ///< interleaved
+  bool rotates = true;                    ///< interleaved: sets move on from frame to frame
   int subpolygons_per_processor = kSubpolygonsPerProcessor;
+  std::optional<int> least_side_px;  ///< of a subpolygon; empty: the wire's
   double ray_time_s = 0;             ///< of emulated processors; 0: none
   std::vector<double> time_factors;  ///< of emulated processors
   SplitRule split_rule = SplitRule::sah;
@@ -37,6 +40,7 @@ struct RenderOptions {
   bool skip_existing = false;
   std::string stats, cost_map;
   ProgressStyle progress = ProgressStyle::automatic;
+  int least_side() const { return least_side_px.value_or(least_side_of(wire)); }
   bool is_quiet = false, is_verbose = false, is_full_report = false;
 };
 

@@ -26,7 +26,7 @@ def rayfarm(scene, size, folder):
     stats = folder / "stats.json"
     script = f". '{SOURCE}/deploy/mpi-env' && exec mpirun -n 2 '{SOURCE}/build/rayfarm' render \"$@\""
     subprocess.run(["bash", "-c", script, "bash", f"{scene}.yaml", "-o", folder / "rayfarm.png", "--size",
-                    f"{size}x{size}", "-q", "--stats", stats], check=True, stdout=subprocess.DEVNULL, cwd=folder)
+                    f"{size}x{size}", "--max-depth", "5", "-q", "--stats", stats], check=True, stdout=subprocess.DEVNULL, cwd=folder)
     return json.loads(stats.read_text())["time_s"]["trace"]
 
 

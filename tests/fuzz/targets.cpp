@@ -52,13 +52,15 @@ std::vector<std::string> scene_seeds(const char* extension) {
   for (const auto& entry : std::filesystem::directory_iterator(RAYFARM_SOURCE "/scenes"))
     if (entry.path().extension() == extension && entry.file_size() < 20'000)
       seeds.push_back(read_file(entry.path(), limits::kFileBytes));
+  if (extension == std::string(".yaml"))  // solids and meshes
+    seeds.push_back(read_file(RAYFARM_SOURCE "/tests/golden/scenes/meshes.yaml", limits::kFileBytes));
   std::sort(seeds.begin(), seeds.end());
   return seeds;
 }
 
 constexpr const char* kObj =
     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 1\nusemtl a\ns 1\n"
-    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\ng x\no y\nf 1//1 2//1 3//1\n";
+    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\nf 1 2 3 4 2\ng x\no y\nf 1//1 2//1 3//1\n";
 constexpr const char* kMtl =
     "newmtl a\nKd 1 .5 0\nKs .2 .2 .2\nNs 20\nillum 3\nd 0.5\nNi 1.5\nmap_Kd -o 0.1 0 -s 2 2 t.png\nKe 0 0 "
     "0\n";
@@ -179,6 +181,9 @@ std::vector<std::string> block_seeds() {
 
 JobPlan make_plan() {
   JobPlan plan;
+  plan.policy = AssignmentPolicy::interleaved;
+  plan.processors = 3;
+  plan.sets = SetPattern::rows;
   plan.build = "build";
   plan.phases = {PicturesPhase{{FrameNumber(1), FrameNumber(2), FrameNumber(3)}, make_grid(0, 0, 64, 48, 2)}};
   plan.time_factors = {1, 2};
@@ -260,8 +265,12 @@ std::vector<Target> make_targets(const std::string& path) {
       {"plan",
        [](const std::string& bytes) {
          const JobPlan plan = decode_plan(bytes_of(bytes));
-         const SubpolygonGrid& grid = pictures_of(plan).grid;
-         for (const int s : {0, grid.count() - 1}) grid.find(grid.polygon(SubpolygonId(s)));
+         const PicturesPhase& pictures = pictures_of(plan);
+         const SubpolygonGrid& grid = pictures.grid;
+         for (const SubpolygonId s : {SubpolygonId(0), SubpolygonId(grid.count() - 1)}) {
+           grid.find(grid.polygon(s));
+           owner_of(plan, pictures, pictures.item_of(FrameIndex(2), s));
+         }
        },
        {text_of(encode_plan(make_plan()))},
        {}},

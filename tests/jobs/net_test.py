@@ -63,6 +63,56 @@ class Emulated(JobTest):
             sets = [frame["traced_by"] for frame in json.loads(stats.read_text())["frames"]]
             self.assertEqual(sets[0] != sets[1], moves)
 
+    def test_sets_move_to_the_right(self):
+        """Thesis 4.4.4.2: in the next frame a processor does what is directly to the right, from the last to the first."""
+        for sets in ("lattice", "rows"):
+            stats = self.folder / "sets.json"
+            result = run(RAYFARM, "render", SCENES / "animation.yaml", "-o", self.folder / "s.##.png", "--frames", "1-3", "--size",
+                         "64x48", "--local-nodes", "3", "--assign", "interleaved", "--sets", sets, "--stats", stats)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            told = json.loads(stats.read_text())
+            self.assertEqual(told["sets"], sets)
+            first, second, third = [frame["traced_by"] for frame in told["frames"]]
+            self.assertEqual(second, first[-1:] + first[:-1])
+            self.assertEqual(third, first[-2:] + first[:-2])
+            if sets == "rows":
+                self.assertEqual(first, [1 + i % 3 for i in range(len(first))])
+
+    def test_subpolygons_down_to_a_pixel(self):
+        """Thesis 4.4.4.1: "as few as one ray could be assigned to each processor". The picture is the same."""
+        hashes, grids = set(), []
+        for flags in (["--wire", "pixel"], ["--wire", "pixel", "--least-side", "8"], ["--wire", "block"],
+                      ["--wire", "block", "--least-side", "1", "--assign", "interleaved", "--sets", "rows"]):
+            stats = self.folder / "small.json"
+            result = run(RAYFARM, "render", SCENE, "-o", self.folder / "small.png", "--size", "32x24", "--local-nodes", "12",
+                         "--subpolygons", "100", "--stats", stats, *flags)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            told = json.loads(stats.read_text())
+            hashes.add(told["image"]["sha256_pixels"])
+            grids.append(told["subpolygons"])
+            # What the picture has no room for is said once.
+            self.assertEqual(result.stderr.count("100 subpolygons for each of 12 processors are 1200"), 1)
+            self.assertIn("are only 768", result.stderr)
+        self.assertEqual(len(hashes), 1)
+        self.assertEqual(grids, [{"columns": 32, "rows": 24}, {"columns": 4, "rows": 3}, {"columns": 4, "rows": 3}, {"columns": 32, "rows": 24}])
+
+    def test_a_simulation_says_what_the_picture_has_no_room_for(self):
+        few = run(RAYFARM, "simulate", "--processors", "2,300,600", "--wire", "block")
+        self.assertEqual(few.returncode, 0, few.stderr)
+        self.assertEqual(few.stderr.count("have room for only 16384 of at least 8 × 8 (--least-side)"), 1)
+        self.assertEqual(run(RAYFARM, "simulate", "--processors", "2,300,600", "--wire", "block", "--least-side", "4").stderr, "")
+        self.assertEqual(run(RAYFARM, "simulate", "--processors", "2,300,600").stderr, "")
+
+    def test_sets_belong_to_interleaved_work(self):
+        out = self.folder / "idle.png"
+        for command in (["render", SCENE, "-o", out, "--size", "16x12"], ["simulate", "--assign", "on-demand", "--processors", "2"]):
+            result = run(RAYFARM, *command, "--sets", "rows")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.stderr.count("--sets belongs to --assign interleaved"), 1)
+            result = run(RAYFARM, *command, "--sets", "columns")
+            self.assertEqual(result.returncode, 2)
+            self.assertIn("choose lattice|rows", result.stderr)
+
 
 class CommandLine(JobTest):
     def test_model_prints_the_thesiss_figures(self):
@@ -98,7 +148,8 @@ class CommandLine(JobTest):
         bad.write_text("{}")
         for command, says in ((["model", "--rate", "8 megabit"], "not a rate"), (["model", "--stats", "none.json"], "none.json"),
                               (["model", "--stats", bad], "not the statistics"), (["simulate", "--cost-map", bad], "not a cost map"),
-                              (["simulate", "--processors", "20000"], "20000"), (["model", "--preset", "1986"], "1986"),
+                              (["simulate", "--processors", "20000"], "20000"), (["simulate", "--least-side", "0"], "--least-side"),
+                              (["render", SCENE, "-o", "a.png", "--least-side", "0"], "--least-side"), (["model", "--preset", "1986"], "1986"),
                               (["render", SCENE, "-o", "a.png", "--processor-times", "1,2"], "--processor-time")):
             result = run(RAYFARM, *command)
             self.assertNotEqual(result.returncode, 0, command)

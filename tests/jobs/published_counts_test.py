@@ -13,7 +13,8 @@ PUBLISHED = {  # shadow, reflected, transmitted
 
 class PublishedCounts(JobTest):
     def counts(self, name, *arguments):
-        stats = self.render(3, self.asset(f"spd/{name}.nff"), "--size", "512x512", "--sampling", "corners", *arguments)
+        stats = self.render(3, self.asset(f"spd/{name}.nff"), "--size", "512x512", "--sampling", "corners",
+                            "--max-depth", "5", *arguments)
         self.assertEqual(stats["rays"]["primary"], 513 * 513)
         return stats["rays"]
 

@@ -62,14 +62,88 @@ scene:
   - {material: m, polygon: {points: [[-9, 2, 9], [9, 2, 9], [9, 2, -9], [-9, 2, -9]]}}
 )");
   for (uint32_t depth = 1; depth <= 6; ++depth) {
-    world.settings.max_depth = depth;
+    limit_by_depth(world.settings, depth);
     expect_color(world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)), Color(2 - std::pow(0.5, depth - 1)));
   }
-  world.settings.max_depth = 50;
+  limit_by_depth(world.settings, 50);
   world.settings.min_weight = 0.2;  // .5 and .25 pass, .125 does not: three terms
   expect_color(world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)), Color(1.75));
   world.settings.lighting = LightingModel::phong;
   expect_color(world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)), Color(1));
+}
+
+TEST(Lighting, FacingMirrorsShowAsManyImagesAsReflectionsAreAllowed) {
+  // Thesis 2.3.4: "after about four or five reflections … there is little more additional information". Two
+  // facing mirrors of .5 with ambient 1: with k reflections the sum of 1 + 1/2 + … has k + 1 terms.
+  // Transmitted rays have a limit of their own.
+  World world(test::view_text() + R"(
+background: 0
+materials: {m: {ambient: 1, diffuse: 0, reflect: 0.5}}
+scene:
+  - {material: m, polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]]}}
+  - {material: m, polygon: {points: [[-9, 2, 9], [9, 2, 9], [9, 2, -9], [-9, 2, -9]]}}
+)");
+  const auto images = [&world] { return world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)); };
+  expect_color(images(), Color(2 - std::pow(0.5, 4)));  // the default
+  world.settings.max_transmissions = 0;
+  for (uint32_t reflections = 0; reflections <= 6; ++reflections) {
+    world.settings.max_reflections = reflections;
+    expect_color(images(), Color(2 - std::pow(0.5, reflections)));
+  }
+}
+
+TEST(Lighting, LightPassesAsManySurfacesAsTransmissionsAreAllowed) {
+  // Thesis 2.3.4: "after … about seven transparent objects there is little more additional information to be
+  // obtained". Behind n panes that transmit .8 the background shows with .8^n, up to the limit. Paths that
+  // lose light end by chance, so theirs lose none.
+  for (const LightingModel model : {LightingModel::whitted, LightingModel::thesis, LightingModel::path}) {
+    const double transmit = model == LightingModel::path ? 1 : 0.8;
+    for (uint32_t n = 0; n <= 9; ++n) {
+      std::string text =
+          test::view_text() +
+          fmt::format(
+              "background: [0.25, 0.5, 1]\nmaterials: {{pane: {{ambient: 0, diffuse: 0, transmit: {}}}}}\n",
+              transmit) +
+          "scene:\n  - {sphere: {center: [50, 0, 0], radius: 1}}\n";
+      for (uint32_t i = 0; i < n; ++i)
+        text += fmt::format(
+            "  - {{material: pane, polygon: {{points: [[-9,{0},9],[9,{0},9],[9,{0},-9],[-9,{0},-9]]}}}}\n",
+            -static_cast<int>(i));
+      World world(text);
+      world.settings.lighting = model;
+      world.settings.max_reflections = 0;
+      const auto behind = [&world] { return world.trace(Vec3(0, 1, 0), Vec3(0.1, -1, 0)); };
+      const Color seen = std::pow(transmit, n) * Color(0.25, 0.5, 1);
+      expect_color(behind(), n <= 7 ? seen : Color(0));  // the default
+      world.settings.max_transmissions = 3;
+      expect_color(behind(), n <= 3 ? seen : Color(0));
+    }
+  }
+}
+
+TEST(Lighting, WhereLightIsOnlyReflectedALimitOfReflectionsIsADepth) {
+  // Mirrored and diffuse rays alike: k of them are a tree of depth k + 1, to the bit.
+  Probe probe(R"(
+lights: [{position: [0.5, 0.8, 0.4]}]
+materials:
+  wall: {color: [0.8, 0.5, 0.4], ambient: 0.2, diffuse: 0.6, reflect: 0.3}
+  lamp: {luminaire: {emission: 2}}
+scene:
+  - {material: lamp, sphere: {center: [0.2, 0.3, 0.1], radius: 0.1}}
+)" + room("wall"));
+  for (const LightingModel model : {LightingModel::whitted, LightingModel::thesis, LightingModel::path}) {
+    probe.settings.lighting = model;
+    double brightest = -1;
+    for (uint32_t reflections = 0; reflections <= 4; ++reflections) {
+      limit_by_depth(probe.settings, reflections + 1);
+      const Color by_depth = probe.mean(Vec3(-0.5, 0.1, 0.6), Vec3(0.3, -0.5, -1), 32);
+      limit_by_depth(probe.settings, 12);
+      probe.settings.max_reflections = reflections;
+      EXPECT_EQ(probe.mean(Vec3(-0.5, 0.1, 0.6), Vec3(0.3, -0.5, -1), 32), by_depth);
+      EXPECT_GT(by_depth.x, brightest);
+      brightest = by_depth.x;
+    }
+  }
 }
 
 TEST(Lighting, RefractionFollowsSnell) {
@@ -107,6 +181,11 @@ scene: [{material: glass, polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], 
                0.9 * Color(0.25, 0.5, 1));
   EXPECT_EQ(world.counts[RayKind::transmitted], 0u);
   EXPECT_EQ(world.counts[RayKind::reflected], 1u);
+  world.settings.max_transmissions = 0;  // it is a reflection
+  expect_color(world.trace(Vec3(0, -1, 0), Vec3(std::sin(M_PI / 3), std::cos(M_PI / 3), 0)),
+               0.9 * Color(0.25, 0.5, 1));
+  world.settings.max_reflections = 0;
+  expect_color(world.trace(Vec3(0, -1, 0), Vec3(std::sin(M_PI / 3), std::cos(M_PI / 3), 0)), Color(0));
 }
 
 TEST(TorranceSparrow, FacetsHaveTheirShape) {
@@ -148,8 +227,11 @@ scene:
 }
 
 TEST(Lighting, SamplesDoNotDependOnTheirPacket) {
-  Probe probe(kMixedRoom + room("wall"));
-  for (const LightingModel model : {LightingModel::path, LightingModel::thesis}) {
+  std::string text = kMixedRoom + room("wall");
+  text.replace(text.find("reflect: 0.6"), 12, "reflect: 0.6, exponent: 30");
+  Probe probe(text);
+  probe.settings.reflected_rays = 11;
+  for (const LightingModel model : {LightingModel::path, LightingModel::thesis, LightingModel::whitted}) {
     probe.settings.lighting = model;
     probe.settings.max_depth = 5;
     probe.settings.samples = 8;

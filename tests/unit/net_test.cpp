@@ -128,6 +128,24 @@ TEST(Simulator, RotationEvensOutAHardCorner) {
   EXPECT_GT(simulate(s).efficiency, 0.95);
 }
 
+TEST(Simulator, ALatticeSharesAHardColumnThatRowsGiveToOne) {
+  // 8 × 8 subpolygons for 8 processors: one in every 8 makes a column.
+  Simulation s = small_net(8);
+  s.rate_bit_per_s = 1e12;
+  s.subpolygons_per_processor = 8;
+  s.cost.columns = 8;
+  s.cost.pixel_s.assign(8, 0.001);
+  s.cost.pixel_s[4] = 0.02;
+  s.cost.pixel_bytes.assign(8, 1);
+  s.sets = SetPattern::rows;
+  const SimulationResult rows = simulate(s);
+  s.sets = SetPattern::lattice;
+  const SimulationResult lattice = simulate(s);
+  EXPECT_NEAR(rows.busy_s, lattice.busy_s, 1e-9);
+  EXPECT_NEAR(rows.total_s, 512 * 0.02, 1e-6);
+  EXPECT_NEAR(lattice.total_s, 64 * (0.02 + 7 * 0.001), 1e-6);
+}
+
 TEST(Simulator, OnDemandGivesASlowProcessorLess) {
   Simulation s = small_net(8);
   s.rate_bit_per_s = 1e9;

@@ -13,7 +13,7 @@ struct Probe {
         frame_pose(compiled.scene),
         pose(frame_pose.at(0)) {
     settings.lighting = LightingModel::path;
-    settings.max_depth = 1000;
+    limit_by_depth(settings, kMostDepth);
   }
   Color mean(const Vec3& origin, const Vec3& direction, uint32_t samples) {
     settings.samples = samples;

@@ -60,12 +60,14 @@ TEST(Messages, ThereAndBack) {
   plan.wire = Wire::pixel;
   plan.processors = 3;
   plan.rotates = false;
+  plan.sets = SetPattern::rows;
   plan.ray_time_s = 0.00025;
   plan.time_factors = {1, 0.5, 2};
   plan.settings = payload;
   const JobPlan plan_back = decode_plan(decode_load_code(encode_load_code(encode_plan(plan))));
   EXPECT_EQ(pictures_of(plan_back).frames, pictures_of(plan).frames);
   EXPECT_FALSE(plan_back.rotates);
+  EXPECT_EQ(plan_back.sets, SetPattern::rows);
   EXPECT_NEAR(plan_back.ray_time_s, 0.00025, 1e-12);
   EXPECT_EQ(plan_back.time_factors, plan.time_factors);
   EXPECT_EQ(plan_back.wire, Wire::pixel);
@@ -137,13 +139,35 @@ TEST(Grid, CoversEveryPixelOnce) {
   EXPECT_EQ(largest.polygon(SubpolygonId(largest.count() - 1)).right, 65535);
 }
 
+// Thesis 4.4.4.1: "as few as one ray could be assigned to each processor".
+TEST(Grid, SubpolygonsAreAsSmallAsAPixel_4_4_4_1) {
+  const SubpolygonGrid pixels = make_grid(3, 4, 40, 30, 100, 64, 1);
+  EXPECT_EQ(pixels.count(), 1200);
+  for (SubpolygonId s; s.value() < pixels.count(); ++s) {
+    const DisplayPolygon p = pixels.polygon(s);
+    EXPECT_EQ(p, (DisplayPolygon{static_cast<uint16_t>(3 + s.value() % 40),
+                                 static_cast<uint16_t>(4 + s.value() / 40), p.left, p.top}));
+    EXPECT_EQ(pixels.find(p), s);
+  }
+  // The thesis's picture: about 64 for each of 4,444 processors, of which blocks of 8 × 8 leave few.
+  EXPECT_NEAR(make_grid(0, 0, 1024, 1024, 4444, 64, 1).count(), 284416, 28441);
+  EXPECT_EQ(make_grid(0, 0, 1024, 1024, 4444).count(), 16384);
+  EXPECT_EQ(room_for(1024, 1024, 8), 16384);
+  EXPECT_EQ(room_for(7, 1024, 8), 128);
+  EXPECT_EQ(least_side_of(Wire::pixel), 1);
+  EXPECT_EQ(least_side_of(Wire::block), 8);
+  JobPlan plan;  // the grid travels in the plan
+  plan.phases = {PicturesPhase{{FrameNumber(1)}, pixels}};
+  EXPECT_EQ(pictures_of(decode_plan(encode_plan(plan))).grid.count(), 1200);
+}
+
 TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {
   for (const auto& [width, height, per_processor] :
        {std::tuple{65536, 65536, 64}, std::tuple{16384, 16384, 2}, std::tuple{65536, 1, 1},
         std::tuple{9, 65536, 1}}) {
     for (const size_t pixel_bytes : {3, 12}) {
       const size_t most = kMostSubpolygonBytes / pixel_bytes;
-      const SubpolygonGrid grid = make_grid(0, 0, width, height, 1, per_processor, kLeastSide_px, most);
+      const SubpolygonGrid grid = make_grid(0, 0, width, height, 1, per_processor, kLeastBlockSide_px, most);
       for (int s = 0; s < grid.count(); s += 7) {
         const DisplayPolygon p = grid.polygon(SubpolygonId(s));
         EXPECT_LE(size_t(p.right - p.left + 1) * size_t(p.bottom - p.top + 1), most);
@@ -151,32 +175,6 @@ TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {
     }
   }
   EXPECT_EQ(make_grid(0, 0, 640, 480, 2).count(), make_grid(0, 0, 640, 480, 2, 64, 8, 1 << 20).count());
-}
-
-TEST(Interleaved, EvenSpreadAndRotating) {
-  for (const int processors : {1, 2, 3, 8, 13}) {
-    const SubpolygonGrid grid = make_grid(0, 0, 1024, 1024, processors);
-    for (FrameIndex frame; frame.value() < 3; ++frame) {
-      std::vector<int> owners(static_cast<size_t>(grid.count()), -1);
-      for (int p = 0; p < processors; ++p)
-        for (const SubpolygonId s : interleaved_set(grid, processors, frame, p)) owners[s.place()] = p;
-      EXPECT_EQ(std::count(owners.begin(), owners.end(), -1), 0);
-      for (int p = 0; p < processors; ++p)
-        EXPECT_NEAR(static_cast<double>(std::count(owners.begin(), owners.end(), p)),
-                    double(grid.count()) / processors, 2);
-      for (SubpolygonId s; s.value() < grid.count(); ++s)
-        EXPECT_EQ(interleaved_owner(grid, processors, FrameIndex(frame.value() + 1), s),
-                  (owners[s.place()] + 1) % processors);
-      if (processors > 2)  // no column belongs to one processor
-        for (int column = 0; column < grid.columns; ++column) {
-          bool differs = false;
-          for (int row = 1; row < grid.rows; ++row)
-            differs = differs || owners[static_cast<size_t>(row * grid.columns + column)] !=
-                                     owners[static_cast<size_t>(column)];
-          EXPECT_TRUE(differs);
-        }
-    }
-  }
 }
 
 TEST(LocalTransport, OrderAndMeter) {

@@ -45,7 +45,8 @@ CompiledScene compile_everything() {
   test::write_temporary("lamp.ies", "TILT=NONE\n1 1 1 2 1 1 1 0 0 0\n1 1 1\n0 180\n0\n5 7\n");
   test::write_temporary(
       "mesh.obj",
-      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\n");
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nv 0 -1 0\nv 1 -1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n"
+      "f 1/1 3/3 4/2\nf 5/1 6/2 2/3 1/1\n");
   std::string text = R"(
 view: {location: {0: [0, 0, 6], 4: [1, 0, 6]}, look_at: [0, 0, 0], lens: {radius: 0.01, focus: 6}}
 environment: {file: sky.png}
@@ -54,7 +55,7 @@ materials:
   painted: {color: 0.7, reflect: 0.1, texture: image, bump: {texture: boards, height: 0.01}}
   gold: {conductor: gold}
   glass: {dielectric: glass}
-  lamp: {luminaire: {emission: 3}}
+  lamp: {luminaire: {emission: 3, ies: lamp.ies}}
 lights: [{position: [2, 3, 4]}, {position: [0, 4, 0], ies: lamp.ies}]
 objects: {pair: [{sphere: {center: [0, 0, 0], radius: 0.3}}, {sphere: {center: [1, 0, 0], radius: 0.3}}]}
 frames: [0, 4]
@@ -64,9 +65,11 @@ scene:
   - {material: lamp, sphere: {center: [-2, 2, 0], radius: 0.2}}
   - {material: glass, quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, 0, 0, -0.2], planes: [[0, 1, 0, 0]]}}
   - polygon: {points: [[-3, -1, -3], [3, -1, -3], [3, -1, 3], [0, -1, 0], [-3, -1, 3]],
-              normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]]}
+              normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]], smooth: gouraud}
   - {material: gold, use: pair, transform: [{rotate: {axis: [0, 0, 1], degrees: {0: 0, 4: 90}}}, {translate: [0, 1, 0]}]}
   - {use: pair, transform: {translate: [0, -2, 0]}}
+  - {use: pair, transform: {translate: [1, -2, 0]}, visible: {0: true, 3: false}}
+  - {light: {position: [0, 3, 0], falloff: true}, transform: {translate: {0: [0, 0, 0], 4: [1, 0, 0]}}}
   - {use: pair, transform: {orient: {0: {axis: [0, 1, 0], degrees: 0}, 4: {axis: [0, 1, 0], degrees: 90}}}}
 )";
   for (int i = 0; i < 12; ++i)
@@ -175,6 +178,25 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
         return t.normals = {0, kNone, kNone}, true;
       },
       "a triangle with one normal");
+  expect_refusal<TriangleShading>(
+      compiled, &Scene::triangle_shading, [](TriangleShading& t) { return t.smoothing = 4, true; },
+      "a triangle of no smoothing");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.corner_count = 5, true; },
+      "a face of more corners than there are");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.corner_count = 2, true; }, "a face of two");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.first_normal = 1, true; },
+      "a face of more normals than there are");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.smoothing = 9, true; },
+      "a face of no smoothing");
+  expect_refusal<uint32_t>(
+      compiled, &Scene::face_corners, [](uint32_t& corner) { return corner = 4, true; }, "a face's corner");
+  expect_refusal<uint32_t>(
+      compiled, &Scene::face_normals, [](uint32_t& normal) { return normal = 1u << 20, true; },
+      "a face's normal");
   expect_refusal<Instance>(
       compiled, &Scene::instances,
       [](Instance& instance) { return instance.moving = 1000, instance.part == 0; }, "a moving instance");
@@ -198,6 +220,24 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
         return t.kind == TextureKind::image;
       },
       "a number of texels that wraps");
+  expect_refusal<MovingLight>(
+      compiled, &Scene::moving_lights, [](MovingLight& light) { return light.light = 0, true; },
+      "a light that says that it does not move");
+  expect_refusal<ObjectNode>(
+      compiled, &Scene::object_nodes, [](ObjectNode& node) { return node.visible = 1000, true; },
+      "an object that is there by a curve that is not");
+  expect_refusal<Light>(
+      compiled, &Scene::lights, [](Light& light) { return light.moving = 7, true; },
+      "a light that moves nowhere");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.reflections = Reflections{3}, true; },
+      "reflections of a fourth kind");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.exponent = NAN, true; }, "no exponent");
+  for (Color Material::*const colour : {&Material::interior, &Material::filter})
+    expect_refusal<Material>(
+        compiled, &Scene::materials, [colour](Material& m) { return (m.*colour).y = -1, true; },
+        "light below nothing");
   expect_refusal<double>(
       compiled, &Scene::key_frames, [](double& frame) { return frame = NAN, true; }, "a key at no frame");
   expect_refusal<double>(
@@ -237,6 +277,8 @@ TEST(Settings, ThereAndBack) {
   RenderSettings settings;
   settings.samples = 17;
   settings.min_weight = 0.125;
+  settings.max_reflections = 3;
+  settings.max_transmissions = 9;
   settings.crop = {1, 2, 30, 40};
   settings.sampling = SamplingPattern::corners;
   settings.subpixels = {3, 2};
@@ -245,6 +287,8 @@ TEST(Settings, ThereAndBack) {
   const RenderSettings back = decode_settings(encode_settings(settings));
   EXPECT_EQ(back.samples, 17u);
   EXPECT_EQ(back.min_weight, 0.125);
+  EXPECT_EQ(back.max_reflections, 3u);
+  EXPECT_EQ(back.max_transmissions, 9u);
   EXPECT_EQ(back.crop, settings.crop);
   EXPECT_EQ(back.sampling, SamplingPattern::corners);
   EXPECT_EQ(back.subpixels, settings.subpixels);
@@ -262,6 +306,12 @@ TEST(Settings, ThereAndBack) {
   damaged = settings;
   damaged.diffuse_set = static_cast<DiffuseSet>(2);
   EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError);
+  for (uint32_t RenderSettings::*limit :
+       {&RenderSettings::max_depth, &RenderSettings::max_reflections, &RenderSettings::max_transmissions}) {
+    RenderSettings wrong;
+    wrong.*limit = kMostDepth + 1;
+    EXPECT_THROW(decode_settings(encode_settings(wrong)), SettingsError);
+  }
   // As many diffuse rays and samples as there may be of each: their product once wrapped round to 0.
   settings.sampling = SamplingPattern::sobol;
   settings.lighting = LightingModel::thesis;
@@ -270,6 +320,16 @@ TEST(Settings, ThereAndBack) {
   EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
   settings.samples = 1 << 10;
   EXPECT_EQ(decode_settings(encode_settings(settings)).diffuse_rays, 4096u);
+  settings.glass_shadows = GlassShadows::none;
+  settings.ambient_colour = AmbientColour::light;
+  settings.transmitted_rays = 1000;
+  EXPECT_EQ(decode_settings(encode_settings(settings)).transmitted_rays, 1000u);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).glass_shadows, GlassShadows::none);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).ambient_colour, AmbientColour::light);
+  for (const uint32_t rays : {0u, 1001u}) {
+    settings.transmitted_rays = rays;
+    EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
+  }
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST(Thesis, ConvergesToPathsInGoralsRoom) {
   settings.width_px = settings.height_px = 32;
   settings.crop = {0, 0, 32, 32};
   settings.samples = 256;
-  settings.max_depth = 16;
+  limit_by_depth(settings, 16);
   settings.pixel_format = PixelFormat::float32;
   const auto blocks = [&] {  // means of 8 × 8 pixels
     const RenderedPixels rendered = Renderer(compiled.scene, settings).render(0, settings.crop, [] {});

@@ -98,7 +98,7 @@ int run_lighting_experiment(const ExperimentOptions& options, const RunRender& r
     job.settings.lighting = picture.lighting;
     job.settings.samples = picture.samples;
     if (picture.lighting == LightingModel::thesis) job.settings.min_weight = kTrimmedWeight;
-    if (picture.lighting == LightingModel::path) job.settings.max_depth = kPathDepth;
+    if (picture.lighting == LightingModel::path) limit_by_depth(job.settings, kPathDepth);
     const int width = options.width_px > 0 ? options.width_px : picture.width_px;
     job.size_px = {width, std::max(1, width * picture.height_px / picture.width_px)};
     job.is_quiet = true;

@@ -126,7 +126,7 @@ std::vector<PixelRect> rows_upwards() {
 std::vector<PixelRect> subpolygons(int processors, int processor) {
   const SubpolygonGrid grid = make_grid(0, 0, kSide_px, kSide_px, processors);
   std::vector<PixelRect> order;
-  for (const SubpolygonId i : interleaved_set(grid, processors, FrameIndex(0), processor)) {
+  for (const SubpolygonId i : interleaved_set(grid, SetPattern::lattice, processors, processor)) {
     const DisplayPolygon p = grid.polygon(i);
     for (int y = p.top; y <= p.bottom; ++y) order.push_back({p.left, y, p.right + 1, y + 1});
   }
