@@ -24,7 +24,6 @@ struct Subpixels {
   uint32_t columns = 1, rows = 1;
 
   static constexpr uint32_t kMost = 64;  ///< of columns, and of rows
-  uint32_t count() const { return columns * rows; }
   uint32_t corners() const { return (columns + 1) * (rows + 1); }
 
   template <typename Archive>
