@@ -95,7 +95,9 @@ std::vector<Shape> read_faces(const YamlValue& value, const char* key, size_t le
                               size_t most_corners, const char* advice) {
   YamlMap map(value);
   MeshShape mesh;
-  for (const YamlValue& p : map.require("points").items()) mesh.positions.emplace_back(p.vector());
+  const YamlValue points = map.require("points");
+  for (const YamlValue& p : points.items()) mesh.positions.emplace_back(p.vector());
+  if (mesh.positions.empty()) points.fail("a mesh needs points");
   const YamlValue faces = map.require(key);
   if (auto normals = map.find("normals")) {
     for (const YamlValue& n : normals->items()) mesh.normals.emplace_back(n.direction());
