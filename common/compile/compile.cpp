@@ -94,10 +94,11 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   add_listed_lights(arrays, description);
   PartCompiler parts(arrays, description, options);
   parts.add_all();
-  ObjectTree(arrays, description, parts.part_of(), options.stop).expand();
+  LightPlaces places;
+  places.in_objects = ObjectTree(arrays, description, parts.part_of(), options.stop).expand();
   build_object_part(arrays, description, options.stop);
-  const std::vector<Place> luminaire_places =
-      add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
+  add_environment(arrays, description);
+  places.luminaires = add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
   weigh_lights(arrays);
 
   CompiledScene result;
@@ -105,7 +106,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.scene = decode_scene(result.block.bytes());
   result.notes = description.notes;
   parts.add_notes(result.notes);
-  add_notes_of_darkness(description, result.scene, luminaire_places, result.notes);
+  add_notes_of_darkness(description, result.scene, places, result.notes);
   return result;
 }
 

@@ -33,8 +33,8 @@ inline constexpr size_t kFaceCorners = 2'000'000'000;  ///< of meshes
 inline constexpr size_t kPolygonPoints = 1'000'000;
 inline constexpr size_t kQuadricPlanes = 16;
 inline constexpr size_t kInstances = 4'000'000;  ///< the object tree, expanded
-inline constexpr size_t kLights = 10'000;
-inline constexpr size_t kLuminaires = 100'000;  ///< luminous primitives, expanded
+inline constexpr size_t kLights = 10'000;        ///< the list's, and the objects', expanded
+inline constexpr size_t kLuminaires = 100'000;   ///< luminous primitives, expanded
 inline constexpr size_t kKeys = 1'000'000;
 inline constexpr uint64_t kTexturePixels = 1ull << 28;  ///< of one image, 16384²: 2 GiB with its mip map
 inline constexpr uint64_t kTexels = 1ull << 30;         ///< of all images with their mip maps: 6 GiB
@@ -136,6 +136,13 @@ struct ChildDescription {
   uint32_t object = 0;
   std::vector<TransformStep> transform;  ///< the first step is applied first
   Place place;
+  std::optional<Curve> visible{};  ///< 0 in frames that are without the child; none: it is always there
+};
+
+/// A light in an object's space.
+struct LightDescription {
+  Light light;
+  Place place;
 };
 
 /// A node of the object tree. An object may be the child of several others, but never of itself.
@@ -144,6 +151,7 @@ struct ObjectDescription {
   std::vector<PrimitiveDescription> primitives;
   std::vector<ChildDescription> children;
   Place place;
+  std::vector<LightDescription> lights{};
 };
 
 struct SceneDescription {
@@ -153,7 +161,7 @@ struct SceneDescription {
   std::optional<TextureDescription> environment;  ///< an image of all directions, seen behind the scene
   double environment_turn = 0;                    ///< about y, in whole turns
   Color ambient{1};                               ///< Ia
-  std::vector<Light> lights;                      ///< luminaires are found by their materials
+  std::vector<Light> lights;                      ///< in the world; objects have others, and luminaires
   std::vector<DiagramDescription> diagrams;       ///< that lights name
   std::vector<MaterialDescription> materials;
   std::vector<TextureDescription> textures;

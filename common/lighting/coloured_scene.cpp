@@ -16,6 +16,7 @@ ColouredScene::ColouredScene(const Scene& scene, const ColourPass& pass) : pass_
   for (Material& m : materials_) {
     m.color = convert(m.color);
     m.filter = glm::min(convert(m.filter), Color(1));
+    m.interior = glm::min(convert(m.interior), Color(1));
     m.back = convert(m.back);
     m.through = convert(m.through);
     m.emission = convert(m.emission);
@@ -32,6 +33,19 @@ ColouredScene::ColouredScene(const Scene& scene, const ColourPass& pass) : pass_
   scene_.header = header_;
   scene_.materials = materials_;
   scene_.lights = lights_;
+}
+
+void ColouredScene::set_lights(const FrameLights& lights) {
+  if (lights_.empty()) lights_.assign(scene_.lights.begin(), scene_.lights.end());
+  if (header_.empty()) header_.assign(1, scene_.head());
+  header_[0].first_luminaire = lights.first_luminaire;
+  header_[0].far_away = lights.far_away;
+  shining_.clear();
+  for (const uint32_t i : lights.shining) shining_.push_back(lights_[i]);
+  shares_ = lights.shares;
+  scene_.header = header_;
+  scene_.lights = shining_;
+  scene_.light_shares = shares_;
 }
 
 std::vector<ColouredScene> make_coloured_scenes(const Scene& scene, ColourModel model) {

@@ -297,7 +297,8 @@ class Renderer::Rendering {
 };
 
 Renderer::Renderer(const Scene& scene, const RenderSettings& settings)
-    : settings_(settings),
+    : scene_(scene),
+      settings_(settings),
       passes_(make_coloured_scenes(scene, settings.colour)),
       integrator_(make_integrator(settings.lighting)),
       filter_(settings.filter),
@@ -311,6 +312,10 @@ RenderedPixels Renderer::render(int frame, const PixelRect& rect, const std::fun
 void Renderer::set_frame(int frame) {
   frame_.reset();  // stays so if the frame can't be set up
   now_ = moments_.at(frame, settings_);
+  if (has_changing_links(scene_)) {
+    const FrameLights lights = make_frame_lights(scene_, frame);
+    for (ColouredScene& pass : passes_) pass.set_lights(lights);
+  }
   tables_.emplace(settings_, frame);
   small_objects_.clear();
   if (settings_.adaptive_contrast > 0)

@@ -51,6 +51,7 @@ struct TransformStepRecord {
 struct ObjectNode {
   uint32_t parent = kNone;
   uint32_t first_step = 0, step_count = 0;
+  uint32_t visible = kNone;  ///< a curve: 0 in frames from which the node and all below it are left out
 };
 
 /// Primitives that never move against each other, and the volume hierarchy below them (thesis 4.2.1.1).
@@ -70,7 +71,7 @@ struct Part {
 struct Instance {
   uint32_t object_node = 0;
   uint32_t part = 0;
-  uint32_t moving = kNone;  ///< which of the moving instances it is; kNone: it never moves
+  uint32_t moving = kNone;  ///< which of those that move, or come and go, it is; kNone: it never does
 };
 
 /// Where an instance stands in one frame.
@@ -79,7 +80,7 @@ struct InstancePose {
   Affine object_from_world;
   Box bounds;  ///< in the world
   uint32_t is_identity = 0;
-  uint32_t padding = 0;
+  uint32_t is_hidden = 0;  ///< 1: the frame is without it
 };
 
 struct ViewRecord {

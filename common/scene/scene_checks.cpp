@@ -213,6 +213,8 @@ void check_lights(const Scene& s) {
   for (size_t i = 0; i < s.lights.size(); ++i) {
     const Light& light = s.lights[i];
     require(light.diagram == kNone || light.diagram < s.goniometric_diagrams.size(), "a light's diagram");
+    require(light.object_node == kNone || light.object_node < s.object_nodes.size(), "a light's place");
+    require(light.moving == kNone || light.moving < s.moving_lights.size(), "a light's place");
     require(light.kind <= LightKind::luminaire &&
                 (light.kind == LightKind::luminaire) == (i >= first_luminaire) &&
                 (light.kind != LightKind::environment || s.head().environment != kNone),
@@ -259,10 +261,15 @@ void check_textures(const Scene& s) {
 
 void check_materials(const Scene& s) {
   for (const Material& m : s.materials) {
-    require(m.kind <= MaterialKind::luminaire, "a material's kind");
+    require(m.kind <= MaterialKind::luminaire && m.reflections <= Reflections::none, "a material's kind");
+    require(std::isfinite(m.exponent) && m.exponent >= 0, "a material's exponent");
+    for (int c = 0; c < 3; ++c)
+      require(std::isfinite(m.interior[c]) && m.interior[c] >= 0 && m.filter[c] >= 0 && m.filter[c] <= 1,
+              "a material's interior");
     require((m.texture == kNone || m.texture < s.textures.size()) &&
                 (m.bump == kNone || m.bump < s.textures.size()),
             "a material's texture");
+    require(m.diagram == kNone || m.diagram < s.goniometric_diagrams.size(), "a material's diagram");
     require(m.metal == kNone || m.metal < conductor_names().size(), "a material's metal");
   }
 }
@@ -275,8 +282,7 @@ void check_motion(const Scene& s) {
   require(s.key_frames.size() == s.key_values.size(), "the keys");
   OwnRanges keys(s.key_frames.size(), "a curve's keys"), steps(s.steps.size(), "an object's transform");
   for (const CurveRecord& c : s.curves) {
-    require(c.key_count > 0 && c.interpolation <= static_cast<uint32_t>(Interpolation::spherical_rotation),
-            "a curve");
+    require(c.key_count > 0 && c.interpolation <= static_cast<uint32_t>(Interpolation::step), "a curve");
     keys.take(c.first_key, c.key_count);
     const auto frames = s.key_frames.subspan(c.first_key, c.key_count);
     for (size_t i = 0; i < frames.size(); ++i)  // not NaN, and rising
@@ -289,6 +295,7 @@ void check_motion(const Scene& s) {
   for (size_t i = 0; i < s.object_nodes.size(); ++i) {
     const ObjectNode& node = s.object_nodes[i];
     require(node.parent == kNone || node.parent < i, "an object's parent");
+    if (node.visible != kNone) curve(node.visible);
     steps.take(node.first_step, node.step_count);
   }
   require(s.poses.size() == s.instances.size(), "the poses");
@@ -301,6 +308,10 @@ void check_motion(const Scene& s) {
   for (size_t m = 0; m < s.moving_instances.size(); ++m)
     require(s.moving_instances[m] < s.instances.size() && s.instances[s.moving_instances[m]].moving == m,
             "a moving instance");
+  for (size_t m = 0; m < s.moving_lights.size(); ++m)
+    require(s.moving_lights[m].object_node < s.object_nodes.size() &&
+                s.moving_lights[m].light < s.lights.size() && s.lights[s.moving_lights[m].light].moving == m,
+            "a moving light");
 }
 
 }  // namespace

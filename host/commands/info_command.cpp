@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include "common/description/primitive_counts.h"
+#include "common/hierarchy/frame_state.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/process/exit_code.h"
@@ -54,11 +55,15 @@ int print_info(const std::string& path) {
              copies.quadrics);
   fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
              s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
+  const bool moves = std::any_of(s.steps.begin(), s.steps.end(), [&](const TransformStepRecord& step) {
+    return s.curves[step.curve].key_count > 1;
+  });
   if (scene.frames)
-    fmt::print("  frames {} to {}{}\n", (*scene.frames)[0], (*scene.frames)[1],
-               !s.moving_instances.empty() ? ", objects move" : "");
+    fmt::print("  frames {} to {}{}{}\n", (*scene.frames)[0], (*scene.frames)[1],
+               moves ? ", objects move" : "", has_changing_links(s) ? ", objects come and go" : "");
   Box box;
-  for (const InstancePose& pose : s.poses) box.grow(pose.bounds);
+  for (const InstancePose& pose : s.poses)
+    if (!pose.is_hidden) box.grow(pose.bounds);
   if (!box.is_empty())
     fmt::print("bounds\n  x {:g} to {:g}, y {:g} to {:g}, z {:g} to {:g}\n", box.lo.x, box.hi.x, box.lo.y,
                box.hi.y, box.lo.z, box.hi.z);

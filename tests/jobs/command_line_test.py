@@ -147,6 +147,22 @@ class Usage(JobTest):
                              "--assign", "interleaved", *small)
         self.assertNotIn("nothing", result.stderr)
 
+    def test_options_of_light_that_do_nothing_are_said(self):
+        picture = ["-o", self.folder / "a.png", "--size", "16x12", "--progress", "none"]
+        many = ["--reflected-rays", "3", "--transmitted-rays", "2"]
+        through = ["--glass-shadows", "transparent", "--ambient-colour", "light"]
+        self.expect(0, "render", SCENE, *picture, "--lighting", "phong", *many, says=["--lighting whitted and thesis, and do nothing"])
+        self.expect(0, "render", SCENE, *picture, "--lighting", "path", *through,
+                    says=["--glass-shadows does nothing in --lighting path", "--ambient-colour belongs to --lighting phong"])
+        plain = self.write("plain.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n")
+        self.expect(0, "render", plain, *picture, *many, *through,
+                    says=["no material that reflects has an `exponent`", "no material that transmits has an `exponent`",
+                          "no material transmits light"])
+        result = self.expect(0, "render", SCENES / "gloss.yaml", *picture, *many, *through)
+        self.assertNotIn("nothing", result.stderr)
+        self.expect(2, "render", SCENE, *picture, "--reflected-rays", "1001", says=["--reflected-rays", "1000"])
+        self.expect(2, "render", SCENE, *picture, "--glass-shadows", "no", says=["blocked", "transparent"])
+
     def test_impossible_material(self):
         scene = self.write("impossible.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {m: {lambertian: 1.5}}\nscene: []\n")
         self.expect(3, "render", scene, "-o", self.folder / "a.png", says=["impossible.yaml:2:", "1.5 times the light"])

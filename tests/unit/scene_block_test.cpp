@@ -55,7 +55,7 @@ materials:
   painted: {color: 0.7, reflect: 0.1, texture: image, bump: {texture: boards, height: 0.01}}
   gold: {conductor: gold}
   glass: {dielectric: glass}
-  lamp: {luminaire: {emission: 3}}
+  lamp: {luminaire: {emission: 3, ies: lamp.ies}}
 lights: [{position: [2, 3, 4]}, {position: [0, 4, 0], ies: lamp.ies}]
 objects: {pair: [{sphere: {center: [0, 0, 0], radius: 0.3}}, {sphere: {center: [1, 0, 0], radius: 0.3}}]}
 frames: [0, 4]
@@ -68,6 +68,8 @@ scene:
               normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]], smooth: gouraud}
   - {material: gold, use: pair, transform: [{rotate: {axis: [0, 0, 1], degrees: {0: 0, 4: 90}}}, {translate: [0, 1, 0]}]}
   - {use: pair, transform: {translate: [0, -2, 0]}}
+  - {use: pair, transform: {translate: [1, -2, 0]}, visible: {0: true, 3: false}}
+  - {light: {position: [0, 3, 0], falloff: true}, transform: {translate: {0: [0, 0, 0], 4: [1, 0, 0]}}}
   - {use: pair, transform: {orient: {0: {axis: [0, 1, 0], degrees: 0}, 4: {axis: [0, 1, 0], degrees: 90}}}}
 )";
   for (int i = 0; i < 12; ++i)
@@ -218,6 +220,24 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
         return t.kind == TextureKind::image;
       },
       "a number of texels that wraps");
+  expect_refusal<MovingLight>(
+      compiled, &Scene::moving_lights, [](MovingLight& light) { return light.light = 0, true; },
+      "a light that says that it does not move");
+  expect_refusal<ObjectNode>(
+      compiled, &Scene::object_nodes, [](ObjectNode& node) { return node.visible = 1000, true; },
+      "an object that is there by a curve that is not");
+  expect_refusal<Light>(
+      compiled, &Scene::lights, [](Light& light) { return light.moving = 7, true; },
+      "a light that moves nowhere");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.reflections = Reflections{3}, true; },
+      "reflections of a fourth kind");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.exponent = NAN, true; }, "no exponent");
+  for (Color Material::*const colour : {&Material::interior, &Material::filter})
+    expect_refusal<Material>(
+        compiled, &Scene::materials, [colour](Material& m) { return (m.*colour).y = -1, true; },
+        "light below nothing");
   expect_refusal<double>(
       compiled, &Scene::key_frames, [](double& frame) { return frame = NAN, true; }, "a key at no frame");
   expect_refusal<double>(
@@ -300,6 +320,16 @@ TEST(Settings, ThereAndBack) {
   EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
   settings.samples = 1 << 10;
   EXPECT_EQ(decode_settings(encode_settings(settings)).diffuse_rays, 4096u);
+  settings.glass_shadows = GlassShadows::none;
+  settings.ambient_colour = AmbientColour::light;
+  settings.transmitted_rays = 1000;
+  EXPECT_EQ(decode_settings(encode_settings(settings)).transmitted_rays, 1000u);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).glass_shadows, GlassShadows::none);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).ambient_colour, AmbientColour::light);
+  for (const uint32_t rays : {0u, 1001u}) {
+    settings.transmitted_rays = rays;
+    EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
+  }
 }
 
 }  // namespace

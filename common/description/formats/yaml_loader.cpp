@@ -116,7 +116,7 @@ class Loader {
 
   void read_materials(const YamlValue& value) {
     for (const auto& [key, v] : value.entries())
-      scene_.materials.push_back(read_material(key.text(), v, scene_.textures));
+      scene_.materials.push_back(read_material(key.text(), v, folder(), scene_));
     for (const MaterialDescription& m : scene_.materials) material_names_.push_back(m.name);
   }
 
@@ -166,18 +166,24 @@ class Loader {
     if (own_material) material = find_material(*own_material);
     std::string name;
     if (auto n = map.find("name")) name = n->text();
-    std::vector<TransformStep> transform;
-    if (auto t = map.find("transform")) transform = read_transform(*t);
+    ChildDescription child;
+    child.place = value.place();
+    if (auto t = map.find("transform")) child.transform = read_transform(*t);
+    if (auto v = map.find("visible")) child.visible = read_curve(*v, Interpolation::step, read_truth);
 
-    // A transform or a name makes a node of its own in the object tree; without either the entry joins its
-    // parent.
+    // What can move, come and go, or has a name is a node of its own in the object tree; any other entry
+    // joins its parent.
     uint32_t target = object;
-    if (!transform.empty() || !name.empty()) {
+    if (!child.transform.empty() || child.visible || !name.empty()) {
       target = add_object(name.empty() ? fmt::format("line {}", value.place().line) : name, value.place());
-      scene_.objects[object].children.push_back({target, std::move(transform), value.place()});
+      child.object = target;
+      scene_.objects[object].children.push_back(std::move(child));
     }
     read_content(map, value, target, material, depth);
     map.finish();
+    if (own_material && map.has("light"))
+      scene_.notes.add(scene_.source(own_material->place()),
+                       "a light has no material: `color` is its colour");
     if (own_material && map.has("mesh")) note_idle_material(*own_material, material, target);
   }
 
@@ -213,6 +219,10 @@ class Loader {
       ++contents;
       read_mesh(*v, target, material);
     }
+    if (auto v = map.find("light")) {
+      ++contents;
+      scene_.objects[target].lights.push_back({read_light(*v, folder(), scene_), v->place()});
+    }
     if (auto v = map.find("group")) {
       ++contents;
       read_children(*v, target, material, depth + 1);
@@ -228,9 +238,10 @@ class Loader {
       map.finish();  // an unknown key is the likelier mistake
       std::string words;
       for (const YamlShape& shape : yaml_shapes()) words += fmt::format("{}, ", shape.key);
-      value.fail(contents == 0
-                     ? fmt::format("an object needs one of: {}mesh, group, use", words)
-                     : "an object can hold only one shape, group or use; make each an entry of its own");
+      value.fail(
+          contents == 0
+              ? fmt::format("an object needs one of: {}mesh, light, group, use", words)
+              : "an object can hold only one shape, light, group or use; make each an entry of its own");
     }
   }
 

@@ -37,12 +37,14 @@ double read_index(YamlMap& map, double fallback) {
   const auto v = map.find("index");
   return v ? v->number_in(1e-3, 1e3) : fallback;
 }
+Color read_albedo(const YamlValue& value, const char* key, bool is_allowed) {
+  const Color c = value.color();
+  require_energy(value, is_allowed, max_component(c), fmt::format("`{}`", key));
+  return c;
+}
 Color read_albedo(YamlMap& map, const char* key, const Color& fallback, bool is_allowed) {
   const auto v = map.find(key);
-  if (!v) return fallback;
-  const Color c = v->color();
-  require_energy(*v, is_allowed, max_component(c), fmt::format("`{}`", key));
-  return c;
+  return v ? read_albedo(*v, key, is_allowed) : fallback;
 }
 
 uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescription>& textures) {
@@ -68,12 +70,26 @@ void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
   coefficient("ambient", m.ambient);
   coefficient("diffuse", m.diffuse);
   coefficient("specular", m.specular);
+  const bool has_shininess = map.find("shininess").has_value();
   coefficient("shininess", m.shininess);
   coefficient("reflect", m.reflect);
   coefficient("transmit", m.transmit);
   m.index = read_index(map, 1);
-  require_energy(map.value(), is_allowed, max_component(m.color) * m.diffuse + m.reflect + m.transmit,
-                 "`color` × `diffuse` + `reflect` + `transmit`");
+  if (const auto interior = map.find("interior")) {
+    if (!(m.transmit > 0)) interior->fail("`interior` weighs what `transmit` lets through; give that, too");
+    m.interior = read_albedo(*interior, "interior", is_allowed);
+  }
+  if (const auto exponent = map.find("exponent")) {
+    if (!(m.reflect > 0 || m.transmit > 0))
+      exponent->fail(
+          "`exponent` spreads what `reflect` and `transmit` send on; give one of them, too, or `shininess` "
+          "for highlights alone");
+    m.exponent = exponent->number_in(0, 1e6);
+    if (m.exponent > 0 && !has_shininess) m.shininess = m.exponent;
+  }
+  require_energy(map.value(), is_allowed,
+                 max_component(m.color) * m.diffuse + m.reflect + m.transmit * max_component(m.interior),
+                 "`color` × `diffuse` + `reflect` + `transmit` × `interior`");
 }
 
 void read_conductor(const YamlValue& value, MaterialDescription& m) {
@@ -148,26 +164,66 @@ void read_translucent(const YamlValue& value, MaterialDescription& m, bool is_al
   m.diffuse = 1;
 }
 
-void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allowed) {
-  YamlMap map(value);
-  m.color = read_albedo(map, "color", Color(0), is_allowed);
-  m.emission = map.require("emission").color();
-  m.exponent = read_exponent(map);
-  if (auto inward = map.find("inward")) m.is_inward = inward->boolean() ? 1 : 0;
-  map.finish();
-  m.diffuse = 1;
-}
-
 /// A diagram's horizontal angle 0 lies towards `toward`, as far as that is across the light's direction.
 Vec3 across(const Vec3& direction, const Vec3& toward) {
   const Vec3 v = normalized(toward - glm::dot(toward, direction) * direction);
   return max_magnitude(v) > 0 ? v : Frame(direction).tangent;
 }
 
+/// Reads a photometric file into the scene's diagrams; returns its index.
+uint32_t read_diagram(const YamlValue& file, const std::string& folder, SceneDescription& scene) {
+  const std::string path = (std::filesystem::path(folder) / file.text()).string();
+  DiagramDescription diagram;
+  try {
+    diagram.values = load_ies(path, diagram, file.stop());
+  } catch (const IoError& e) {
+    file.fail(e.what());
+  }
+  scene.diagrams.push_back(std::move(diagram));
+  scene.files.push_back(path);
+  return static_cast<uint32_t>(scene.diagrams.size() - 1);
+}
+
+/// How a luminaire's radiance differs by direction: relative to the file's largest intensity.
+void read_luminaire_diagram(YamlMap& map, MaterialDescription& m, const std::string& folder,
+                            SceneDescription& scene) {
+  const auto ies = map.find("ies");
+  if (!ies) {
+    for (const char* key : {"direction", "zero"})
+      if (const auto idle = map.find(key))
+        idle->fail(fmt::format("`{}` turns the diagram of a photometric file; give `ies`, too", key));
+    return;
+  }
+  const auto direction = map.find("direction"), zero = map.find("zero");
+  if (m.exponent > 0)
+    ies->fail("give either `ies` or `exponent`: each says how the light falls off to the sides");
+  m.diagram = read_diagram(*ies, folder, scene);
+  DiagramDescription& diagram = scene.diagrams.back();
+  const auto intensities =
+      std::span(diagram.values).subspan(diagram.vertical_count + diagram.horizontal_count);
+  const double largest = *std::max_element(intensities.begin(), intensities.end());
+  if (!(largest > 0)) ies->fail("the photometric file has no intensity above 0: nothing would shine");
+  for (double& value : intensities) value /= largest;
+  if (direction) m.diagram_axis = normalized(direction->direction());
+  m.diagram_zero = across(m.diagram_axis, zero ? zero->direction() : Vec3(1, 0, 0));
+}
+
+void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allowed,
+                    const std::string& folder, SceneDescription& scene) {
+  YamlMap map(value);
+  m.color = read_albedo(map, "color", Color(0), is_allowed);
+  m.emission = map.require("emission").color();
+  m.exponent = read_exponent(map);
+  if (auto inward = map.find("inward")) m.is_inward = inward->boolean() ? 1 : 0;
+  read_luminaire_diagram(map, m, folder, scene);
+  map.finish();
+  m.diffuse = 1;
+}
+
 }  // namespace
 
-MaterialDescription read_material(const std::string& name, const YamlValue& value,
-                                  const std::vector<TextureDescription>& textures) {
+MaterialDescription read_material(const std::string& name, const YamlValue& value, const std::string& folder,
+                                  SceneDescription& scene) {
   YamlMap map(value);
   MaterialDescription m(name);
   const auto allow = map.find("allow_impossible");
@@ -202,18 +258,20 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
         read_translucent(*v, m, is_allowed);
         break;
       case MaterialKind::luminaire:
-        read_luminaire(*v, m, is_allowed);
+        read_luminaire(*v, m, is_allowed, folder, scene);
         break;
     }
     if (m.exponent > 0) m.shininess = m.exponent;
   }
-  if (auto texture = map.find("texture")) m.texture = find_texture(*texture, textures);
+  if (auto texture = map.find("texture")) m.texture = find_texture(*texture, scene.textures);
   if (auto v = map.find("bump")) {
     YamlMap bump(*v);
-    m.bump = find_texture(bump.require("texture"), textures);
+    m.bump = find_texture(bump.require("texture"), scene.textures);
     m.bump_height = bump.require("height").number_in(-1e9, 1e9);
     bump.finish();
   }
+  if (auto v = map.find("reflections"))
+    m.reflections = static_cast<Reflections>(v->choice({"true", "specular", "false"}));
   if (m.kind == MaterialKind::classical) read_classical(map, m, is_allowed);
   map.finish();
   return m;
@@ -239,16 +297,7 @@ Light read_light(const YamlValue& value, const std::string& folder, SceneDescrip
     light.kind = LightKind::bulb;
     const auto zero = map.find("zero");
     light.zero = across(light.direction, zero ? zero->direction() : Vec3(1, 0, 0));
-    light.diagram = static_cast<uint32_t>(scene.diagrams.size());
-    const std::string path = (std::filesystem::path(folder) / ies->text()).string();
-    DiagramDescription diagram;
-    try {
-      diagram.values = load_ies(path, diagram, ies->stop());
-    } catch (const IoError& e) {
-      ies->fail(e.what());
-    }
-    scene.diagrams.push_back(std::move(diagram));
-    scene.files.push_back(path);
+    light.diagram = read_diagram(*ies, folder, scene);
   } else if (position && direction) {
     light.kind = LightKind::spot;
     if (falloff && !falloff->boolean())

@@ -4,9 +4,9 @@
 
 namespace rayfarm {
 
-/// `textures`: those that the material may name.
-MaterialDescription read_material(const std::string& name, const YamlValue& value,
-                                  const std::vector<TextureDescription>& textures);
+/// The material may name the scene's textures. Photometric files are read as those of lights.
+MaterialDescription read_material(const std::string& name, const YamlValue& value, const std::string& folder,
+                                  SceneDescription& scene);
 /// Photometric files are read relative to the scene's folder and join its diagrams and files.
 Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene);
 

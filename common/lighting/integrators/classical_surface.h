@@ -2,6 +2,8 @@
 // Surfaces as the classical models see them (thesis 2.2): a colour, with coefficients for ambient, diffuse
 // and specular light, and a shadow ray to each source (Equation 2.4).
 #include "common/lighting/frame_context.h"
+#include "common/lighting/light_sampling.h"
+#include "common/lighting/media.h"
 #include "common/lighting/ray_counts.h"
 #include "common/lighting/textured.h"
 
@@ -32,15 +34,24 @@ struct ClassicalSurface {
   const Hit* hit;
   SampleId id;
   uint32_t stream;
-  Color diffuse{0};   ///< light that takes the surface's colour
-  Color specular{0};  ///< light that does not
+  const Media* media = nullptr;  ///< that the ray came through; null: none
+  Color diffuse{0};              ///< light that takes the surface's colour
+  Color specular{0};             ///< light that does not
 
   Color light() const { return color * diffuse + specular; }
   Interaction interaction() const { return interaction_at(surface, direction, *material); }
-  bool has_secondary_rays() const { return material->reflect > 0 || material->transmit > 0; }
-  void add_ambient_and_emission(const Scene& scene) {
-    diffuse = material->ambient * scene.head().ambient;
-    if (is_luminaire(*material)) specular += emitted(*material, interaction());
+  bool has_secondary_rays() const { return has_reflection() || material->transmit > 0; }
+  bool has_reflection() const { return material->reflect > 0 && has_reflected_rays(*material); }
+  Color emission(const FrameContext& context) const {
+    return emission_at(context.scene, context.pose, hit->instance, *material, interaction());
+  }
+  void add_ambient(const Scene& scene, AmbientColour weighed_by) {
+    const Color ambient = material->ambient * scene.head().ambient;
+    (weighed_by == AmbientColour::surface ? diffuse : specular) += ambient;
+  }
+  void add_ambient_and_emission(const FrameContext& context) {
+    add_ambient(context.scene, context.tables.settings.ambient_colour);
+    if (is_luminaire(*material)) specular += emission(context);
   }
 };
 
