@@ -65,7 +65,10 @@ std::vector<Shape> read_polygon(const YamlValue& value) {
   if (!polygon.normals.empty() && polygon.normals.size() != polygon.points.size())
     value.fail(fmt::format("the polygon has {} points but {} normals", polygon.points.size(),
                            polygon.normals.size()));
+  const bool is_asked = map.has("smooth");
   polygon.smoothing = read_smoothing(map, Smoothing::phong);
+  if (is_asked && polygon.smoothing != Smoothing::flat && polygon.normals.empty())
+    map.require("smooth").fail("a polygon is smooth by its normals: give `normals`, one for each point");
   map.finish();
   return {polygon};
 }
