@@ -171,7 +171,7 @@ SceneBlock block_of(const std::string& bytes) {
 
 std::vector<std::string> block_seeds() {
   std::vector<std::string> seeds;
-  for (const char* name : {"primitives", "animation", "materials"}) {
+  for (const char* name : {"primitives", "animation", "materials", "gloss"}) {
     const CompiledScene compiled =
         compile(load_scene(std::string(RAYFARM_SOURCE "/scenes/") + name + ".yaml"));
     if (compiled.block.size < 1 << 18) seeds.push_back(text_of(compiled.block.bytes()));
