@@ -56,25 +56,30 @@ WeightedSum<T> mean_value_sum(std::span<const Vec3> points, std::span<const T> v
                               const Vec3& plane_normal) {
   // Weight of corner i: (tan(a_{i-1}/2) + tan(a_i/2)) / |v_i - p|, with a_i the signed angle at p between
   // corners i and i+1. tan(a/2) = (|s_i||s_j| - s_i·s_j) / (signed area).
-  const size_t n = points.size();
-  const auto half_tangent = [&](size_t i) {
-    const Vec3 si = points[i] - p, sj = points[(i + 1) % n] - p;
-    const double area = glm::dot(plane_normal, glm::cross(si, sj));
-    return area == 0 ? 0 : (glm::length(si) * glm::length(sj) - glm::dot(si, sj)) / area;
+  const auto half_tangent = [](double product, double dot, double area) {
+    return area == 0 ? 0 : (product - dot) / area;
   };
+  const size_t n = points.size();
+  const Vec3 last = points[n - 1] - p;
+  Vec3 si = points[0] - p;
+  double ri = glm::length(si);
+  double previous =
+      half_tangent(glm::length(last) * ri, glm::dot(last, si), glm::dot(plane_normal, glm::cross(last, si)));
   WeightedSum<T> result;
-  double previous = half_tangent(n - 1);
   for (size_t i = 0; i < n; ++i) {
-    const size_t j = (i + 1) % n;
-    const Vec3 si = points[i] - p, sj = points[j] - p;
-    const double ri = glm::length(si), rj = glm::length(sj);
+    const size_t j = i + 1 < n ? i + 1 : 0;
+    const Vec3 sj = points[j] - p;
+    const double rj = glm::length(sj), dot = glm::dot(si, sj);
+    const double area = glm::dot(plane_normal, glm::cross(si, sj));
     if (ri == 0) return {values[i], 1};
-    if (glm::dot(plane_normal, glm::cross(si, sj)) == 0 && glm::dot(si, sj) < 0)
+    if (area == 0 && dot < 0)
       return {(rj * values[i] + ri * values[j]) / (ri + rj), 1};  // p lies on this edge
-    const double current = half_tangent(i), weight = (previous + current) / ri;
+    const double current = half_tangent(ri * rj, dot, area), weight = (previous + current) / ri;
     result.sum += weight * values[i];
     result.weight += weight;
     previous = current;
+    si = sj;
+    ri = rj;
   }
   return result;
 }

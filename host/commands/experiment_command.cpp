@@ -3,6 +3,7 @@
 #include "host/commands/commands.h"
 #include "host/experiments/lighting/lighting_experiment.h"
 #include "host/experiments/net-load/net_load_experiment.h"
+#include "host/experiments/smoothing/smoothing_experiment.h"
 #include "host/experiments/working-sets/working_sets.h"
 
 namespace rayfarm {
@@ -17,6 +18,7 @@ int run_experiment(const ExperimentChoice& choice, const Renders& renders) {
   ExperimentOptions options = choice.options;
   if (options.output.empty()) options.output = "out/" + choice.name;
   if (choice.name == "net-load") return run_net_load_experiment(options, renders.here);
+  if (choice.name == "smoothing") return run_smoothing_experiment(options);
   if (choice.name == "working-sets") return run_working_set_experiment(options);
   return run_lighting_experiment(options, renders.here);
 }
@@ -34,9 +36,10 @@ void add_experiment_command(CommandLine& line) {
   options
       .word(
           "NAME", [choice = choice.get()](const std::string& name) { choice->name = name; },
-          {"lighting", "net-load", "working-sets"},
+          {"lighting", "net-load", "smoothing", "working-sets"},
           "lighting: the pictures of the thesis's chapter 3; net-load: processor counts against the net's "
-          "load, section 4.4.4.2; working-sets: Table 4.12")
+          "load, section 4.4.4.2; smoothing: the light of a turning mesh, section 2.3.5; working-sets: Table "
+          "4.12")
       .required();
   options.text("-o,--output", o.output, "folder for page, pictures and numbers (default: out/NAME)");
   options.text("--scenes", o.scenes, "folder that holds the scenes (default: scenes)");

@@ -132,6 +132,10 @@ TEST(MeshFaces, WhatIsWrongInYamlIsToldWithItsPlace) {
                 .find("3 points but 1 normals"),
             std::string::npos);
   EXPECT_NE(error("{polygons: {points: [[0,0,0],[1,0,0],[1,1,0]]}}").find("faces"), std::string::npos);
+  EXPECT_NE(
+      error("{polygon: {points: [[0,0,0],[1,0,0],[1,1,0]], smooth: gouraud}}").find("one for each point"),
+      std::string::npos);
+  EXPECT_NE(error("{polygons: {points: [], faces: [[0,1,2]]}}").find("needs points"), std::string::npos);
 }
 
 /// What a closed mesh must be, and its volume and area.

@@ -65,7 +65,10 @@ std::vector<Shape> read_polygon(const YamlValue& value) {
   if (!polygon.normals.empty() && polygon.normals.size() != polygon.points.size())
     value.fail(fmt::format("the polygon has {} points but {} normals", polygon.points.size(),
                            polygon.normals.size()));
+  const bool is_asked = map.has("smooth");
   polygon.smoothing = read_smoothing(map, Smoothing::phong);
+  if (is_asked && polygon.smoothing != Smoothing::flat && polygon.normals.empty())
+    map.require("smooth").fail("a polygon is smooth by its normals: give `normals`, one for each point");
   map.finish();
   return {polygon};
 }
@@ -95,7 +98,9 @@ std::vector<Shape> read_faces(const YamlValue& value, const char* key, size_t le
                               size_t most_corners, const char* advice) {
   YamlMap map(value);
   MeshShape mesh;
-  for (const YamlValue& p : map.require("points").items()) mesh.positions.emplace_back(p.vector());
+  const YamlValue points = map.require("points");
+  for (const YamlValue& p : points.items()) mesh.positions.emplace_back(p.vector());
+  if (mesh.positions.empty()) points.fail("a mesh needs points");
   const YamlValue faces = map.require(key);
   if (auto normals = map.find("normals")) {
     for (const YamlValue& n : normals->items()) mesh.normals.emplace_back(n.direction());
