@@ -4,6 +4,7 @@
 
 #include "common/description/scene_description.h"
 #include "common/scene/render_settings.h"
+#include "common/scene/scene.h"
 #include "host/render/render_options.h"
 
 namespace rayfarm {
@@ -26,5 +27,7 @@ std::vector<std::string> name_limits(const RenderOptions& options, const Subpoly
 
 /// Names options that do nothing beside others. `is_one_process`: host and nodes share it.
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);
+/// The same of spectra of the scene that the colour model does without.
+std::vector<std::string> name_idle_spectra(const RenderSettings& settings, const Scene& scene);
 
 }  // namespace rayfarm

@@ -16,13 +16,13 @@ struct ClassicalSurface {
                    const SampleId& of_sample, uint32_t of_stream)
       : surface(eval_surface(context.scene, context.pose, ray, hit)),
         material(&context.scene.materials[surface.material]),
-        color(is_textured(*material)
-                  ? textured(context.scene, context.pose, ray, hit, *material, width, surface).color
-                  : material->color),
+        color(material->color),
         direction(ray.direction),
         instance(hit.instance),
         id(of_sample),
-        stream(of_stream) {}
+        stream(of_stream) {
+    if (is_textured(*material)) apply_textures(context, ray, hit, width);
+  }
 
   Surface surface;
   const Material* material;
@@ -44,6 +44,9 @@ struct ClassicalSurface {
     diffuse = material->ambient * context.scene.head().ambient;
     if (is_luminaire(*material)) specular += emission(context);
   }
+
+ private:
+  void apply_textures(const FrameContext& context, const Ray& ray, const Hit& hit, double width);
 };
 
 /// How sources show in surfaces.
