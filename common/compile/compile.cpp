@@ -52,6 +52,7 @@ class PartCompiler {
     for (uint32_t object = 0; object < description_.objects.size(); ++object)
       if (!is_added[object]) add(object, std::span(&object, 1));
     if (!arrays_.triangle_uvs.empty()) arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size());
+    if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size());
   }
 
   const Luminaires& luminaires() const { return luminaires_; }
@@ -70,9 +71,10 @@ class PartCompiler {
     for (const uint32_t object : objects)
       for (const PrimitiveDescription& p : description_.objects[object].primitives)
         shapes_.add(primitives, p);
-    if (arrays_.triangle_shading.size() > limits::kPrimitives)
+    if (arrays_.triangle_shading.size() > limits::kPrimitives ||
+        arrays_.face_corners.size() > limits::kFaceCorners)
       throw InputError(description_.source(description_.objects[owner].place),
-                       "the scene has too many triangles");
+                       "the scene has too many triangles or corners of faces");
     if (primitives.ids.empty()) return;
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(build_part(arrays_, primitives, options_));

@@ -40,6 +40,7 @@ ColouredScene::ColouredScene(const Scene& scene, const ColourPass& pass) : pass_
   for (Material& m : materials_) {
     m.color = convert(m.color);
     m.filter = glm::min(convert(m.filter), Color(1));
+    m.interior = glm::min(convert(m.interior), Color(1));
     m.back = convert(m.back);
     m.through = convert(m.through);
     m.emission = convert(m.emission);
@@ -81,6 +82,8 @@ Color* ColouredScene::color_of(const SpectralColor& c) {
       return &materials_[c.index].color;
     case SpectralField::filter:
       return &materials_[c.index].filter;
+    case SpectralField::interior:
+      return &materials_[c.index].interior;
     case SpectralField::back:
       return &materials_[c.index].back;
     case SpectralField::through:

@@ -11,6 +11,7 @@ namespace rayfarm {
 enum class SpectralField : uint32_t {
   color,
   filter,
+  interior,
   back,
   through,
   emission,

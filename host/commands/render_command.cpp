@@ -102,6 +102,22 @@ void add_light(Options& options, RenderOptions& o) {
                              "thesis's model: diffuse rays turned at random in each pixel, or the same "
                              "everywhere, as the thesis has "
                              "it: false reflections in place of noise (default: turned)");
+  options.number("--reflected-rays", o.settings.reflected_rays, 1, kMostLobeRays,
+                 "whitted and thesis: rays that a surface with an `exponent` reflects, spread over its lobe "
+                 "(default: 1, along the mirror direction)");
+  options.number("--transmitted-rays", o.settings.transmitted_rays, 1, kMostLobeRays,
+                 "the same of rays that pass (default: 1, along the refracted direction)");
+  options.choice<GlassShadows>("--glass-shadows", o.settings.glass_shadows,
+                               {{"blocked", GlassShadows::blocked},
+                                {"none", GlassShadows::none},
+                                {"transparent", GlassShadows::transparent}},
+                               "not path: bodies that transmit stop light from sources, cast no shadow, or "
+                               "let it straight on, weakened (default: blocked)");
+  options.choice<AmbientColour>(
+      "--ambient-colour", o.settings.ambient_colour,
+      {{"light", AmbientColour::light}, {"surface", AmbientColour::surface}},
+      "phong, torrance-sparrow and whitted: ambient light has its own colour alone, or is weighed by the "
+      "surface's (default: surface)");
   add_colour_option(options, o.settings);
   options.number(
       "--max-depth", o.max_depth, 1, kMostDepth,

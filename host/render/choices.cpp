@@ -95,6 +95,12 @@ std::vector<std::string> name_limits(const RenderOptions& options, const Subpoly
   return note.empty() ? std::vector<std::string>{} : std::vector{note};
 }
 
+namespace {
+bool has_lighting_tree(LightingModel model) {
+  return model == LightingModel::whitted || model == LightingModel::thesis;
+}
+}  // namespace
+
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process) {
   std::vector<std::string> notes;
   const RenderSettings& s = options.settings;
@@ -108,10 +114,19 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
   if (is_local && (options.max_depth || options.max_reflections || options.max_transmissions))
     notes.emplace_back(
         "--max-depth, --max-reflections and --max-transmissions belong to models that follow light beyond "
-        "what "
-        "the eye sees (path, thesis, whitted), and do nothing here");
+        "what the eye sees (path, thesis, whitted), and do nothing here");
   if ((is_local || s.lighting == LightingModel::path) && s.min_weight != usual.min_weight)
     notes.emplace_back("--min-weight belongs to --lighting thesis and whitted, and does nothing here");
+  if (!has_lighting_tree(s.lighting) && (s.reflected_rays > 1 || s.transmitted_rays > 1))
+    notes.emplace_back(
+        "--reflected-rays and --transmitted-rays belong to --lighting whitted and thesis, and do nothing "
+        "here");
+  if (s.lighting == LightingModel::path && s.glass_shadows != GlassShadows::blocked)
+    notes.emplace_back("--glass-shadows does nothing in --lighting path, which follows light through glass");
+  if (s.ambient_colour != AmbientColour::surface &&
+      (s.lighting == LightingModel::thesis || s.lighting == LightingModel::path))
+    notes.emplace_back(
+        "--ambient-colour belongs to --lighting phong, torrance-sparrow and whitted, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && !options.rotates)
     notes.emplace_back("--no-rotation belongs to --assign interleaved, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && options.sets != SetPattern::lattice)
@@ -129,6 +144,39 @@ std::vector<std::string> name_idle_spectra(const RenderSettings& settings, const
   return {
       "the scene gives colours as spectra, of which --colour rgb takes the red, green and blue; --colour "
       "spectral computes with the spectra themselves"};
+}
+
+std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneDescription& scene) {
+  const auto have = [&scene](auto is_one) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), is_one);
+  };
+  std::vector<std::string> notes;
+  if (has_lighting_tree(s.lighting)) {
+    if (s.reflected_rays > 1 && !have([](const Material& m) {
+          return m.exponent > 0 && m.reflect + m.transmit > 0 && has_reflected_rays(m);
+        }))
+      notes.emplace_back("--reflected-rays does nothing here: no material that reflects has an `exponent`");
+    if (s.transmitted_rays > 1 && !have([](const Material& m) { return m.exponent > 0 && m.transmit > 0; }))
+      notes.emplace_back(
+          "--transmitted-rays does nothing here: no material that transmits has an `exponent`");
+  }
+  if (s.glass_shadows != GlassShadows::blocked && s.lighting != LightingModel::path &&
+      !have([](const Material& m) { return m.transmit > 0; }))
+    notes.emplace_back("--glass-shadows does nothing here: no material transmits light");
+  return notes;
+}
+
+std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene) {
+  const auto is_gouraud = [](const auto& polygon) {
+    return polygon.smoothing == static_cast<uint32_t>(Smoothing::gouraud);
+  };
+  const auto any = [&](const auto& polygons) {
+    return std::any_of(polygons.begin(), polygons.end(), is_gouraud);
+  };
+  if (settings.lighting == LightingModel::path &&
+      (any(scene.triangle_shading) || any(scene.polygons) || any(scene.mesh_faces)))
+    return {"`smooth: gouraud` belongs to the classical lighting models; `path` interpolates the normals"};
+  return {};
 }
 
 }  // namespace rayfarm

@@ -27,6 +27,12 @@ std::vector<std::string> name_limits(const RenderOptions& options, const Subpoly
 
 /// Names options that do nothing beside others. `is_one_process`: host and nodes share it.
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);
+/// Names those that could do something, but not in this scene.
+std::vector<std::string> name_idle_options(const RenderSettings& settings, const SceneDescription& scene);
+
+/// What the scene asks for in vain from the chosen lighting model.
+std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene);
+
 /// The same of spectra of the scene that the colour model does without.
 std::vector<std::string> name_idle_spectra(const RenderSettings& settings, const Scene& scene);
 

@@ -60,15 +60,29 @@ void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
   coefficient("ambient", m.ambient);
   coefficient("diffuse", m.diffuse);
   coefficient("specular", m.specular);
+  const bool has_shininess = map.find("shininess").has_value();
   coefficient("shininess", m.shininess);
   coefficient("reflect", m.reflect);
   coefficient("transmit", m.transmit);
   m.index = read_index(map, 1);
+  if (const auto interior = map.find("interior")) {
+    if (!(m.transmit > 0)) interior->fail("`interior` weighs what `transmit` lets through; give that, too");
+    m.interior = read_albedo(*interior, m, SpectralField::interior, is_allowed, "`interior`");
+  }
+  if (const auto exponent = map.find("exponent")) {
+    if (!(m.reflect > 0 || m.transmit > 0))
+      exponent->fail(
+          "`exponent` spreads what `reflect` and `transmit` send on; give one of them, too, or `shininess` "
+          "for highlights alone");
+    m.exponent = exponent->number_in(0, 1e6);
+    if (m.exponent > 0 && !has_shininess) m.shininess = m.exponent;
+  }
   const auto sent = [&m](double nm) {
-    return value_at(m, SpectralField::color, m.color, nm) * m.diffuse + (m.reflect + m.transmit);
+    return value_at(m, SpectralField::color, m.color, nm) * m.diffuse + m.reflect +
+           m.transmit * value_at(m, SpectralField::interior, m.interior, nm);
   };
   require_energy(map.value(), is_allowed, largest_value(m, sent),
-                 "`color` × `diffuse` + `reflect` + `transmit`");
+                 "`color` × `diffuse` + `reflect` + `transmit` × `interior`");
 }
 
 /// One of the two parts of a metal's index: three numbers are at the wavelengths of red, green and blue.
@@ -273,6 +287,8 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
     m.bump_height = bump.require("height").number_in(-1e9, 1e9);
     bump.finish();
   }
+  if (auto v = map.find("reflections"))
+    m.reflections = static_cast<Reflections>(v->choice({"true", "specular", "false"}));
   if (m.kind == MaterialKind::classical) read_classical(map, m, is_allowed);
   map.finish();
   return m;
