@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
+#include "host/experiments/plots.h"
 #include "host/files/text_file.h"
 #include "host/instrument/model.h"
 #include "host/instrument/simulator.h"
@@ -223,15 +223,7 @@ void write_plots(const NetLoadPage& page, const Table& beyond, const fs::path& f
   write_text_file((folder / "use.dat").string(), use);
   write_text_file((folder / "beyond.dat").string(), curves);
   write_text_file((folder / "rays.dat").string(), ray_shares_data(page.rays));
-  write_text_file((folder / "net_load.gp").string(), kPlots);
-  const std::string command = fmt::format("cd '{}' && gnuplot net_load.gp", folder.string());
-  if (std::system("command -v gnuplot >/dev/null") != 0)
-    fmt::print(stderr,
-               "rayfarm: gnuplot was not found, so the plots are not drawn; apt-get install gnuplot-nox, "
-               "then gnuplot net_load.gp in {}\n",
-               folder.string());
-  else if (std::system(command.c_str()) != 0)
-    fmt::print(stderr, "rayfarm: gnuplot could not draw the plots\n");
+  draw_plots(folder, "net_load.gp", kPlots);
 }
 
 std::string markdown(const Table& table) {
