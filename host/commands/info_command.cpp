@@ -72,7 +72,7 @@ void add_info_command(CommandLine& line) {
   verb.name = "info";
   verb.help = "print a scene's counts, bounds, object tree and memory";
   verb.run = [path](const Renders&) { return print_info(*path); };
-  line.add(std::move(verb)).text("SCENE", *path, ".yaml or .nff").required();
+  line.add(std::move(verb)).text("SCENE", *path, ".yaml, .nff or .rfp").required();
 }
 
 }  // namespace rayfarm
