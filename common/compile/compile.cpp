@@ -47,6 +47,7 @@ class PartCompiler {
     for (uint32_t object = 0; object < description_.objects.size(); ++object)
       if (!is_added[object]) add(object, std::span(&object, 1));
     if (!arrays_.triangle_uvs.empty()) arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size());
+    if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size());
   }
 
   const Luminaires& luminaires() const { return luminaires_; }
@@ -69,9 +70,10 @@ class PartCompiler {
     for (const uint32_t object : objects)
       for (const PrimitiveDescription& p : description_.objects[object].primitives)
         shapes_.add(primitives, p);
-    if (arrays_.triangle_shading.size() > limits::kPrimitives)
+    if (arrays_.triangle_shading.size() > limits::kPrimitives ||
+        arrays_.face_corners.size() > limits::kFaceCorners)
       throw InputError(description_.source(description_.objects[owner].place),
-                       "the scene has too many triangles");
+                       "the scene has too many triangles or corners of faces");
     if (primitives.ids.empty()) return;
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(build_part(arrays_, primitives, options_));
@@ -82,10 +84,11 @@ class PartCompiler {
   uint32_t place(uint32_t library, const Place& place) {
     std::optional<uint32_t>& first_part = libraries_[library];
     if (first_part) return *first_part;
-    const size_t triangles = arrays_.triangle_shading.size();
-    if (description_.libraries[library].scene.triangle_shading.size() > limits::kPrimitives - triangles)
+    const Scene& more = description_.libraries[library].scene;
+    if (more.triangle_shading.size() > limits::kPrimitives - arrays_.triangle_shading.size() ||
+        more.face_corners.size() > limits::kFaceCorners - arrays_.face_corners.size())
       throw InputError(description_.source(place),
-                       "the scene has too many triangles, those of part files counted");
+                       "the scene has too many triangles or corners of faces, those of part files counted");
     PlacedLibrary placed = append_library(arrays_, description_.libraries[library], place, luminaires_);
     for (std::vector<Luminous>& luminous : placed.luminous_of) luminous_of_.push_back(std::move(luminous));
     first_part = placed.first_part;

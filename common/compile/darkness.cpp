@@ -222,6 +222,9 @@ std::vector<bool> materials_in_use(const Scene& scene) {
       case PrimitiveKind::quadric:
         is_used[scene.quadrics[id.index()].material] = true;
         return;
+      case PrimitiveKind::face:
+        is_used[scene.mesh_faces[id.index()].material] = true;
+        return;
     }
   };
   for (size_t i = 0; i < scene.parts.size(); ++i) {

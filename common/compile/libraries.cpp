@@ -6,11 +6,11 @@
 namespace rayfarm {
 namespace {
 
-template <typename T>
+template <ArrayName name, typename T>
 void append(std::vector<T>& array, std::span<const T> more, const ArrayOffsets& offsets) {
   const size_t before = array.size();
   array.insert(array.end(), more.begin(), more.end());
-  for (size_t i = before; i < array.size(); ++i) shift(array[i], offsets);
+  for (size_t i = before; i < array.size(); ++i) shift_element<name>(array[i], offsets);
 }
 
 /// A library's lamps, by part: those of the first instance of each.
@@ -43,9 +43,11 @@ PlacedLibrary append_library(SceneArrays<GrowingArray>& arrays, const LibraryDes
   offsets.materials = library.first_material;
   offsets.textures = library.first_texture;
   offsets.goniometric_diagrams = library.first_diagram;
+  if (!more.face_uvs.empty()) arrays.face_uvs.resize(arrays.face_corners.size());
   if (!more.triangle_uvs.empty()) arrays.triangle_uvs.resize(3 * arrays.triangle_shading.size());
-#define RAYFARM_ARRAY(element, name, role) \
-  if constexpr (ArrayRole::role == ArrayRole::geometry) append(arrays.name, more.name, offsets);
+#define RAYFARM_ARRAY(element, name, role)              \
+  if constexpr (ArrayRole::role == ArrayRole::geometry) \
+    append<ArrayName::name>(arrays.name, more.name, offsets);
 #include "common/scene/scene_arrays.inc"
 #undef RAYFARM_ARRAY
   luminaires.take_over(std::move(arrays.luminaire_triangles));

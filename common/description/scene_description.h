@@ -30,6 +30,8 @@ inline constexpr uintmax_t kYamlFileBytes = 256ull << 20;
 inline constexpr size_t kNestingDepth = 64;  ///< objects inside objects
 inline constexpr size_t kObjects = 1'000'000;
 inline constexpr size_t kPrimitives = 400'000'000;
+inline constexpr size_t kSolidFaces = 1'000'000;       ///< of a lathe
+inline constexpr size_t kFaceCorners = 2'000'000'000;  ///< of meshes
 inline constexpr size_t kPolygonPoints = 1'000'000;
 inline constexpr size_t kQuadricPlanes = 16;
 inline constexpr size_t kInstances = 4'000'000;  ///< the object tree, expanded
@@ -104,9 +106,18 @@ struct PolygonShape {
   std::vector<Vec3> normals;  ///< empty, or one per point
   Smoothing smoothing = Smoothing::phong;
 };
-/// Triangles over shared vertices. Positions are float, as stored in the scene block.
+/// A mesh's polygons of more than three corners, one after the other: counter-clockwise seen from outside.
+struct MeshPolygons {
+  std::vector<uint32_t> sides;      ///< of each polygon
+  std::vector<uint32_t> corners;    ///< of all: indices into positions
+  std::vector<uint32_t> normals;    ///< empty, or one per corner: indices into normals, ~0 for none
+  std::vector<uint32_t> uvs;        ///< empty, or one per corner: indices into uvs
+  std::vector<uint32_t> materials;  ///< empty, or one per polygon
+};
+/// Polygons over shared vertices. Positions are float, as stored in the scene block.
 struct MeshShape {
   std::vector<glm::vec3> positions, normals;
+  MeshPolygons polygons;
   std::vector<glm::uvec3> triangles;  ///< indices into positions
   /// Empty, or one per triangle: indices into normals, ~0 for none.
   std::vector<glm::uvec3> triangle_normals;

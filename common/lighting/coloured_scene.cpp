@@ -16,6 +16,7 @@ ColouredScene::ColouredScene(const Scene& scene, const ColourPass& pass) : pass_
   for (Material& m : materials_) {
     m.color = convert(m.color);
     m.filter = glm::min(convert(m.filter), Color(1));
+    m.interior = glm::min(convert(m.interior), Color(1));
     m.back = convert(m.back);
     m.through = convert(m.through);
     m.emission = convert(m.emission);

@@ -10,13 +10,21 @@ namespace rayfarm {
 /// Families, each with the parameters that shape it (Shirley, Sung and Brown 1991, section 2.4), beside the
 /// classical coefficients.
 enum class MaterialKind : uint32_t {
-  classical,    ///< color, ambient, diffuse, specular, shininess, reflect, transmit, index
-  lambertian,   ///< color: the albedo
-  conductor,    ///< n, k, exponent
-  dielectric,   ///< index, filter, exponent, priority
-  polished,     ///< color: the substrate's albedo; index, exponent: of the polish
+  classical,   ///< color, ambient, diffuse, specular, shininess, reflect, transmit, index, interior, exponent
+  lambertian,  ///< color: the albedo
+  conductor,   ///< n, k, exponent
+  dielectric,  ///< index, filter, exponent, priority
+  polished,    ///< color: the substrate's albedo; index, exponent: of the polish
   translucent,  ///< color, back: the albedos of the two sides; through: what passes diffusely
   luminaire     ///< color: the albedo; emission, exponent, is_inward
+};
+
+/// Which rays a material reflects ("It is useful to be able to turn off reflections from a particular
+/// material": Shirley, Sung and Brown 1991, section 2.4). Light straight from sources is reflected always.
+enum class Reflections : uint32_t {
+  all,
+  specular,  ///< along mirror directions, spread or not: the polish, but not the substrate
+  none
 };
 
 struct Material {
@@ -31,6 +39,9 @@ struct Material {
   int32_t priority = 0;  ///< where dielectrics overlap the one of the highest priority is there
   uint32_t texture = kNone, bump = kNone;
   Color emission{0};  ///< radiance along the normal
+  Color interior{1};  ///< weighs what a classical surface transmits (thesis 3.2)
+  Reflections reflections = Reflections::all;
+  uint32_t padding = 0;
 
   double bump_height = 0;  ///< of the bump texture's white over its black
   /// Spread of what is reflected or refracted, cosⁿ about its direction; 0: none, the surface is smooth. Of a
@@ -48,5 +59,12 @@ struct Material {
   uint32_t reserved = 0;
   Vec3 diagram_axis{0, -1, 0}, diagram_zero{1, 0, 0};
 };
+
+inline bool has_reflected_rays(const Material& m) {
+  return m.reflections != Reflections::none;
+}
+inline bool has_diffuse_rays(const Material& m) {
+  return m.reflections == Reflections::all;
+}
 
 }  // namespace rayfarm

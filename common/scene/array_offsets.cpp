@@ -37,8 +37,8 @@ void shift(VolumeNode& node, const ArrayOffsets& o) {
 
 void shift(PrimitiveId& id, const ArrayOffsets& o) {
   if (id == kNoPrimitive) return;
-  const std::array<uint32_t, 4> offsets{o.triangle_shading, o.spheres, o.polygons,
-                                        o.quadrics};  // in the order of PrimitiveKind
+  const std::array<uint32_t, 5> offsets{o.triangle_shading, o.spheres, o.polygons, o.quadrics,
+                                        o.mesh_faces};  // in the order of PrimitiveKind
   id = make_primitive_id(id.kind(), id.index() + offsets[static_cast<size_t>(id.kind())]);
 }
 
@@ -77,6 +77,13 @@ void shift(TriangleShading& shading, const ArrayOffsets& o) {
   for (uint32_t& normal : normals) shift(normal, o.normals);
 }
 
+void shift(MeshFace& face, const ArrayOffsets& o) {
+  auto& [first_corner, corner_count, first_normal, smoothing, material] = face;
+  first_corner += o.face_corners;
+  shift(first_normal, o.face_normals);
+  material += o.materials;
+}
+
 void shift(LuminaireTriangle& triangle, const ArrayOffsets&) {
   [[maybe_unused]] auto& [corners, normal, area_through, magnitude] = triangle;
 }
@@ -84,7 +91,7 @@ void shift(LuminaireTriangle& triangle, const ArrayOffsets&) {
 void shift(Part& part, const ArrayOffsets& o) {
   auto& [bounds, structure, padding, root, first_triangle_block, triangle_block_count, first_sphere_block,
          sphere_block_count, first_leaf_primitive, leaf_primitive_count, triangle_count, sphere_count,
-         polygon_count, quadric_count] = part;
+         quadric_count, polygon_count] = part;
   shift(root, o);
   first_triangle_block += o.triangle_blocks;
   first_sphere_block += o.sphere_blocks;
@@ -93,8 +100,8 @@ void shift(Part& part, const ArrayOffsets& o) {
 
 void shift(Material& m, const ArrayOffsets& o) {
   auto& [color, ambient, diffuse, specular, shininess, reflect, transmit, index, kind, priority, texture,
-         bump, emission, bump_height, exponent, n, k, metal, is_inward, abbe, filter, back, through, diagram,
-         reserved, diagram_axis, diagram_zero] = m;
+         bump, emission, interior, reflections, padding, bump_height, exponent, n, k, metal, is_inward, abbe,
+         filter, back, through, diagram, reserved, diagram_axis, diagram_zero] = m;
   shift(texture, o.textures);
   shift(bump, o.textures);
   shift(diagram, o.goniometric_diagrams);

@@ -18,6 +18,13 @@ using ArrayOffset = uint32_t;
 /// By array: how many elements stand before those that are appended.
 using ArrayOffsets = SceneArrays<ArrayOffset>;
 
+/// Its name in the list.
+enum class ArrayName {
+#define RAYFARM_ARRAY(element, name, role) name,
+#include "common/scene/scene_arrays.inc"
+#undef RAYFARM_ARRAY
+};
+
 inline ArrayOffsets offsets_behind(const SceneArrays<GrowingArray>& arrays) {
   ArrayOffsets offsets;
 #define RAYFARM_ARRAY(element, name, role) offsets.name = static_cast<uint32_t>(arrays.name.size());
@@ -41,8 +48,20 @@ void shift(Polygon& polygon, const ArrayOffsets& offsets);
 void shift(Quadric& quadric, const ArrayOffsets& offsets);
 void shift(TriangleShading& shading, const ArrayOffsets& offsets);
 void shift(LuminaireTriangle& triangle, const ArrayOffsets& offsets);
+void shift(MeshFace& face, const ArrayOffsets& offsets);
 void shift(Part& part, const ArrayOffsets& offsets);
 void shift(Material& material, const ArrayOffsets& offsets);
 void shift(Light& light, const ArrayOffsets& offsets);
+
+/// Of the array `name`: where elements are bare numbers, the array tells what they are.
+template <ArrayName name, typename T>
+void shift_element(T& element, const ArrayOffsets& offsets) {
+  if constexpr (name == ArrayName::face_corners)
+    element += offsets.mesh_points;
+  else if constexpr (name == ArrayName::face_normals)
+    element += offsets.normals;
+  else
+    shift(element, offsets);
+}
 
 }  // namespace rayfarm

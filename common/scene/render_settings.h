@@ -34,6 +34,19 @@ struct Subpixels {
   friend bool operator==(const Subpixels&, const Subpixels&) = default;
 };
 
+/// What bodies that transmit light do to shadow rays.
+enum class GlassShadows : uint8_t {
+  blocked,      ///< they stop them as others do
+  transparent,  ///< they let them go straight on, weakened (thesis 2.2.4: nonrefractive transparent objects)
+  none          ///< they cast no shadow (thesis 3.5.1: many researchers omit it)
+};
+
+/// What weighs ambient light (thesis 2.2.2).
+enum class AmbientColour : uint8_t { surface, light };
+
+/// The most rays of one lobe: rays that a surface reflects, or transmits.
+inline constexpr uint32_t kMostLobeRays = 1000;
+
 /// The depth of paths if nothing else is asked for: roulette ends nearly all long before.
 inline constexpr uint32_t kPathDepth = 100;
 /// The greatest depth that can be asked for.
@@ -62,6 +75,11 @@ struct RenderSettings {
   double diffuse_reach = 0;   ///< where a diffuse ray's strength has fallen to a half; 0: it never falls
   /// Difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never.
   double diffuse_contrast = 0;
+  /// N_RS and N_T of Equation 3.2: rays that a surface with an exponent reflects and transmits in the models
+  /// of Whitted and of the thesis, spread over its lobe; 1: along its axis.
+  uint32_t reflected_rays = 1, transmitted_rays = 1;
+  GlassShadows glass_shadows = GlassShadows::blocked;
+  AmbientColour ambient_colour = AmbientColour::surface;
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   DiffuseBands diffuse_bands = DiffuseBands::flux;
   DiffuseSet diffuse_set = DiffuseSet::turned;
@@ -77,6 +95,7 @@ struct RenderSettings {
     archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast);
     archive(max_reflections, max_transmissions, max_depth, min_weight);
     archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
+    archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);
     diffuse_jitter = jitter != 0;
   }
 };

@@ -23,6 +23,16 @@ struct TriangleShading {
   std::array<uint32_t, 3> normals{kNone, kNone, kNone};
 };
 
+/// A mesh's polygon of more than three corners. It is planar, and tested as the triangles that it is cut
+/// into; corners and normals are shared with its neighbours.
+struct MeshFace {
+  uint32_t first_corner = 0;  ///< in face_corners
+  uint32_t corner_count = 0;
+  uint32_t first_normal = kNone;  ///< in face_normals; none: flat
+  uint32_t smoothing = 0;         ///< enum Smoothing
+  uint32_t material = 0;
+};
+
 struct CurveRecord {
   uint32_t interpolation = 0;
   uint32_t first_key = 0;
@@ -53,7 +63,8 @@ struct Part {
   uint32_t first_triangle_block = 0, triangle_block_count = 0;
   uint32_t first_sphere_block = 0, sphere_block_count = 0;
   uint32_t first_leaf_primitive = 0, leaf_primitive_count = 0;
-  uint32_t triangle_count = 0, sphere_count = 0, polygon_count = 0, quadric_count = 0;
+  uint32_t triangle_count = 0, sphere_count = 0, quadric_count = 0;
+  uint32_t polygon_count = 0;  ///< of more than three corners, meshes' too
 };
 
 /// A part at its place in the world.

@@ -30,8 +30,9 @@ class OwnRanges {
 };
 
 bool exists(const Scene& s, PrimitiveId id, PrimitiveKind kind) {
-  const std::array<size_t, 4> counts{s.triangle_shading.size(), s.spheres.size(), s.polygons.size(),
-                                     s.quadrics.size()};  // in the order of PrimitiveKind
+  const std::array<size_t, 5> counts{s.triangle_shading.size(), s.spheres.size(), s.polygons.size(),
+                                     s.quadrics.size(),
+                                     s.mesh_faces.size()};  // in the order of PrimitiveKind
   return id.kind() == kind && id.index() < counts[static_cast<size_t>(kind)];
 }
 
@@ -124,7 +125,9 @@ void check_leaves(const Scene& s) {
     for (size_t lane = 0; lane < 8; ++lane) {
       const PrimitiveId p = block.primitives[lane];
       if (p != kNoPrimitive) {
-        require(exists(s, p, PrimitiveKind::triangle) || exists(s, p, PrimitiveKind::polygon), "a triangle");
+        require(exists(s, p, PrimitiveKind::triangle) || exists(s, p, PrimitiveKind::polygon) ||
+                    exists(s, p, PrimitiveKind::face),
+                "a triangle");
         continue;
       }
       for (const auto& vertex : block.vertices)
@@ -146,8 +149,12 @@ void check_leaves(const Scene& s) {
 
 void check_primitives(const Scene& s) {
   const auto material = [&](uint32_t m) { require(m < s.materials.size(), "a material"); };
+  const auto smoothing = [](uint32_t value) {
+    require(value <= static_cast<uint32_t>(Smoothing::gouraud), "a polygon's smoothing");
+  };
   for (const TriangleShading& t : s.triangle_shading) {
     material(t.material);
+    smoothing(t.smoothing);
     const bool has_normals = t.normals[0] != kNone;
     for (const uint32_t n : t.normals)
       require(has_normals ? n < s.normals.size() : n == kNone, "a triangle's normals");
@@ -160,10 +167,23 @@ void check_primitives(const Scene& s) {
       planes(s.quadric_planes.size(), "a quadric's planes");
   for (const Polygon& p : s.polygons) {
     material(p.material);
+    smoothing(p.smoothing);
     require(p.point_count >= 3 && p.drop_axis < 3, "a polygon");
     points.take(p.first_point, p.point_count);
     if (p.first_normal != kNone) normals.take(p.first_normal, p.point_count);
   }
+  OwnRanges corners(s.face_corners.size(), "a face's corners"),
+      corner_normals(s.face_normals.size(), "a face's normals");
+  for (const MeshFace& f : s.mesh_faces) {
+    material(f.material);
+    smoothing(f.smoothing);
+    require(f.corner_count >= 3, "a face");
+    corners.take(f.first_corner, f.corner_count);
+    if (f.first_normal != kNone) corner_normals.take(f.first_normal, f.corner_count);
+  }
+  for (const uint32_t c : s.face_corners) require(c < s.mesh_points.size(), "a face's corner");
+  for (const uint32_t n : s.face_normals) require(n < s.normals.size(), "a face's normal");
+  require(s.face_uvs.empty() || s.face_uvs.size() == s.face_corners.size(), "the faces' coordinates");
   for (const Quadric& q : s.quadrics) {
     material(q.material);
     planes.take(q.first_plane, q.plane_count);
@@ -205,7 +225,8 @@ void check_lights(const Scene& s) {
     require(light.material < s.materials.size(), "a light's material");
     require(light.instance < s.instances.size(), "a light's instance");
     const bool has_triangles = exists(s, light.primitive, PrimitiveKind::polygon) ||
-                               exists(s, light.primitive, PrimitiveKind::triangle);
+                               exists(s, light.primitive, PrimitiveKind::triangle) ||
+                               exists(s, light.primitive, PrimitiveKind::face);
     const size_t triangles = s.luminaire_triangles.size();
     require(exists(s, light.primitive, PrimitiveKind::sphere) ||
                 (has_triangles && light.triangle_count >= 1 && light.first_triangle <= triangles &&
@@ -242,7 +263,11 @@ void check_textures(const Scene& s) {
 
 void check_materials(const Scene& s) {
   for (const Material& m : s.materials) {
-    require(m.kind <= MaterialKind::luminaire, "a material's kind");
+    require(m.kind <= MaterialKind::luminaire && m.reflections <= Reflections::none, "a material's kind");
+    require(std::isfinite(m.exponent) && m.exponent >= 0, "a material's exponent");
+    for (int c = 0; c < 3; ++c)
+      require(std::isfinite(m.interior[c]) && m.interior[c] >= 0 && m.filter[c] >= 0 && m.filter[c] <= 1,
+              "a material's interior");
     require((m.texture == kNone || m.texture < s.textures.size()) &&
                 (m.bump == kNone || m.bump < s.textures.size()),
             "a material's texture");

@@ -16,12 +16,15 @@ void check_settings(const RenderSettings& settings) {
     throw SettingsError("the picture has no such size or crop");
   if (settings.lighting > LightingModel::path || settings.sampling > SamplingPattern::corners ||
       settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral20 ||
+      settings.glass_shadows > GlassShadows::none || settings.ambient_colour > AmbientColour::light ||
       settings.pixel_format > PixelFormat::float32 || settings.diffuse_bands > DiffuseBands::cone ||
       settings.diffuse_set > DiffuseSet::fixed)
     throw SettingsError("a choice among the settings does not exist");
   const auto is_cut = [](uint32_t parts) { return parts >= 1 && parts <= Subpixels::kMost; };
+  const auto is_of_lobe = [](uint32_t rays) { return rays >= 1 && rays <= kMostLobeRays; };
   if (!is_cut(settings.subpixels.columns) || !is_cut(settings.subpixels.rows) || settings.samples < 1 ||
-      settings.diffuse_rays < 1 || settings.max_depth < 1 || settings.max_depth > kMostDepth ||
+      settings.diffuse_rays < 1 || !is_of_lobe(settings.reflected_rays) ||
+      !is_of_lobe(settings.transmitted_rays) || settings.max_depth < 1 || settings.max_depth > kMostDepth ||
       settings.max_reflections >= kMostDepth || settings.max_transmissions >= kMostDepth ||
       !std::isfinite(settings.shutter) || !std::isfinite(settings.diffuse_reach) ||
       !std::isfinite(settings.diffuse_contrast) || !(settings.min_weight >= 0) || !(settings.shutter >= 0) ||

@@ -53,13 +53,15 @@ std::vector<std::string> scene_seeds(const char* extension) {
   for (const auto& entry : std::filesystem::directory_iterator(RAYFARM_SOURCE "/scenes"))
     if (entry.path().extension() == extension && entry.file_size() < 20'000)
       seeds.push_back(read_file(entry.path(), limits::kFileBytes));
+  if (extension == std::string(".yaml"))  // solids and meshes
+    seeds.push_back(read_file(RAYFARM_SOURCE "/tests/golden/scenes/meshes.yaml", limits::kFileBytes));
   std::sort(seeds.begin(), seeds.end());
   return seeds;
 }
 
 constexpr const char* kObj =
     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 1\nusemtl a\ns 1\n"
-    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\ng x\no y\nf 1//1 2//1 3//1\n";
+    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\nf 1 2 3 4 2\ng x\no y\nf 1//1 2//1 3//1\n";
 constexpr const char* kMtl =
     "newmtl a\nKd 1 .5 0\nKs .2 .2 .2\nNs 20\nillum 3\nd 0.5\nNi 1.5\nmap_Kd -o 0.1 0 -s 2 2 t.png\nKe 0 0 "
     "0\n";
@@ -173,7 +175,7 @@ SceneBlock block_of(const std::string& bytes) {
 
 std::vector<std::string> block_seeds() {
   std::vector<std::string> seeds;
-  for (const char* name : {"primitives", "animation", "materials"}) {
+  for (const char* name : {"primitives", "animation", "materials", "gloss"}) {
     const CompiledScene compiled =
         compile(load_scene(std::string(RAYFARM_SOURCE "/scenes/") + name + ".yaml"));
     if (compiled.block.size < 1 << 18) seeds.push_back(text_of(compiled.block.bytes()));

@@ -147,6 +147,22 @@ class Usage(JobTest):
                              "--assign", "interleaved", *small)
         self.assertNotIn("nothing", result.stderr)
 
+    def test_options_of_light_that_do_nothing_are_said(self):
+        picture = ["-o", self.folder / "a.png", "--size", "16x12", "--progress", "none"]
+        many = ["--reflected-rays", "3", "--transmitted-rays", "2"]
+        through = ["--glass-shadows", "transparent", "--ambient-colour", "light"]
+        self.expect(0, "render", SCENE, *picture, "--lighting", "phong", *many, says=["--lighting whitted and thesis, and do nothing"])
+        self.expect(0, "render", SCENE, *picture, "--lighting", "path", *through,
+                    says=["--glass-shadows does nothing in --lighting path", "--ambient-colour belongs to --lighting phong"])
+        plain = self.write("plain.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n")
+        self.expect(0, "render", plain, *picture, *many, *through,
+                    says=["no material that reflects has an `exponent`", "no material that transmits has an `exponent`",
+                          "no material transmits light"])
+        result = self.expect(0, "render", SCENES / "gloss.yaml", *picture, *many, *through)
+        self.assertNotIn("nothing", result.stderr)
+        self.expect(2, "render", SCENE, *picture, "--reflected-rays", "1001", says=["--reflected-rays", "1000"])
+        self.expect(2, "render", SCENE, *picture, "--glass-shadows", "no", says=["blocked", "transparent"])
+
     def test_impossible_material(self):
         scene = self.write("impossible.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {m: {lambertian: 1.5}}\nscene: []\n")
         self.expect(3, "render", scene, "-o", self.folder / "a.png", says=["impossible.yaml:2:", "1.5 times the light"])
@@ -445,6 +461,48 @@ class Commands(JobTest):
         self.assertEqual(result.code, 0)
         for text in ("spheres 7", "bounds", "object tree", "memory"):
             self.assertIn(text, result.stdout)
+
+    def test_info_counts_polygons(self):
+        """As the thesis's Table 4.3 does: a vase of 16 x 5 polygons, triangles at its ends, and copies."""
+        scene = self.write("s.yaml", """
+view: {location: [0, 0, 9], look_at: [0, 0, 0]}
+objects: {vase: {lathe: {profile: [%s, [0, 16]], sides: 5}}}
+scene: [{use: vase}, {use: vase, transform: {translate: [3, 0, 0]}}, {sphere: {center: [0, 0, 0], radius: 1}}]
+""" % ", ".join(f"[{0 if y == 0 else 1 + y % 2}, {y}]" for y in range(16)))
+        result = self.run_alone("info", scene)
+        self.assertEqual(result.code, 0, result.stderr)
+        for text in ("polygons 80 (triangles 10, of more corners 70), spheres 1, quadrics 0, stored once",
+                     "polygons 160, spheres 1, quadrics 0, each copy counted", "vase: 80 polygons"):
+            self.assertIn(text, result.stdout)
+
+    def test_gouraud_says_what_a_model_does_with_it(self):
+        scene = self.write("s.yaml", """
+view: {location: [0, 0, 5], look_at: [0, 0, 0]}
+lights: [{position: [0, 0, 5]}]
+scene: [{lathe: {profile: [[1, -1], [1, 1]], sides: 8, smooth: gouraud}}]
+""")
+        for lighting, is_noted in (("whitted", False), ("path", True)):
+            result = self.run_alone("render", scene, "-o", self.folder / "x.png", "--size", "8x8", "--lighting", lighting)
+            self.assertEqual(result.code, 0, result.stderr)
+            self.assertEqual("`smooth: gouraud` belongs to the classical" in result.stderr, is_noted, result.stderr)
+
+    def test_smoothing_experiment(self):
+        """The thesis's claims of 2.3.5 in numbers: only interpolation along a picture's lines depends on how a polygon is turned."""
+        result = self.run_alone("experiment", "smoothing", "-o", self.folder / "page", "--width", "12")
+        self.assertEqual(result.code, 0, result.stderr)
+        lines = (self.folder / "page" / "smoothing.csv").read_text().splitlines()
+        rows = [line.rsplit(",", 6) for line in lines if line and not line.startswith(("#", "method"))]
+        rolls = {row[0].strip('"'): float(row[1]) for row in rows}
+        self.assertEqual(list(rolls), ["flat", "gouraud", "phong", "center", "gouraud, by lines", "phong, by lines"])
+        for name, change in rolls.items():
+            if "by lines" in name:
+                self.assertGreater(change, 0.0005, name)
+            else:
+                self.assertLess(change, 1e-6, name)
+        page = (self.folder / "page" / "README.md").read_text()
+        self.assertIn("| center |", page)
+        for name in ("jumps.dat", "profile.dat", "smoothing.gp"):
+            self.assertTrue((self.folder / "page" / name).exists(), name)
 
 
 if __name__ == "__main__":

@@ -78,6 +78,31 @@ class Emulated(JobTest):
             if sets == "rows":
                 self.assertEqual(first, [1 + i % 3 for i in range(len(first))])
 
+    def test_subpolygons_down_to_a_pixel(self):
+        """Thesis 4.4.4.1: "as few as one ray could be assigned to each processor". The picture is the same."""
+        hashes, grids = set(), []
+        for flags in (["--wire", "pixel"], ["--wire", "pixel", "--least-side", "8"], ["--wire", "block"],
+                      ["--wire", "block", "--least-side", "1", "--assign", "interleaved", "--sets", "rows"]):
+            stats = self.folder / "small.json"
+            result = run(RAYFARM, "render", SCENE, "-o", self.folder / "small.png", "--size", "32x24", "--local-nodes", "12",
+                         "--subpolygons", "100", "--stats", stats, *flags)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            told = json.loads(stats.read_text())
+            hashes.add(told["image"]["sha256_pixels"])
+            grids.append(told["subpolygons"])
+            # What the picture has no room for is said once.
+            self.assertEqual(result.stderr.count("100 subpolygons for each of 12 processors are 1200"), 1)
+            self.assertIn("are only 768", result.stderr)
+        self.assertEqual(len(hashes), 1)
+        self.assertEqual(grids, [{"columns": 32, "rows": 24}, {"columns": 4, "rows": 3}, {"columns": 4, "rows": 3}, {"columns": 32, "rows": 24}])
+
+    def test_a_simulation_says_what_the_picture_has_no_room_for(self):
+        few = run(RAYFARM, "simulate", "--processors", "2,300,600", "--wire", "block")
+        self.assertEqual(few.returncode, 0, few.stderr)
+        self.assertEqual(few.stderr.count("have room for only 16384 of at least 8 × 8 (--least-side)"), 1)
+        self.assertEqual(run(RAYFARM, "simulate", "--processors", "2,300,600", "--wire", "block", "--least-side", "4").stderr, "")
+        self.assertEqual(run(RAYFARM, "simulate", "--processors", "2,300,600").stderr, "")
+
     def test_sets_belong_to_interleaved_work(self):
         out = self.folder / "idle.png"
         for command in (["render", SCENE, "-o", out, "--size", "16x12"], ["simulate", "--assign", "on-demand", "--processors", "2"]):
@@ -123,7 +148,8 @@ class CommandLine(JobTest):
         bad.write_text("{}")
         for command, says in ((["model", "--rate", "8 megabit"], "not a rate"), (["model", "--stats", "none.json"], "none.json"),
                               (["model", "--stats", bad], "not the statistics"), (["simulate", "--cost-map", bad], "not a cost map"),
-                              (["simulate", "--processors", "20000"], "20000"), (["model", "--preset", "1986"], "1986"),
+                              (["simulate", "--processors", "20000"], "20000"), (["simulate", "--least-side", "0"], "--least-side"),
+                              (["render", SCENE, "-o", "a.png", "--least-side", "0"], "--least-side"), (["model", "--preset", "1986"], "1986"),
                               (["render", SCENE, "-o", "a.png", "--processor-times", "1,2"], "--processor-time")):
             result = run(RAYFARM, *command)
             self.assertNotEqual(result.returncode, 0, command)

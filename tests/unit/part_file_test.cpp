@@ -48,9 +48,9 @@ void write_assets() {
   for (int i = 0; i < 24; ++i) picture.pixels.push_back(static_cast<std::byte>(10 * i));
   write_image(test::write_temporary("picture.png", ""), picture, {});
   test::write_temporary("lamp.ies", "TILT=NONE\n1 1 1 2 1 1 1 0 0 0\n1 1 1\n0 180\n0\n5 7\n");
-  test::write_temporary(
-      "mesh.obj",
-      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\n");
+  test::write_temporary("mesh.obj",
+                        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 "
+                        "3/3 4/2\nv 0 -1 0\nv 1 -1 0\nf 5/1 6/2 2/3 1/1\n");
 }
 
 const std::string kTextures = "textures: {image: {kind: image, file: picture.png}, boards: {kind: boards}}\n";

@@ -45,7 +45,8 @@ CompiledScene compile_everything() {
   test::write_temporary("lamp.ies", "TILT=NONE\n1 1 1 2 1 1 1 0 0 0\n1 1 1\n0 180\n0\n5 7\n");
   test::write_temporary(
       "mesh.obj",
-      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\n");
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nv 0 -1 0\nv 1 -1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n"
+      "f 1/1 3/3 4/2\nf 5/1 6/2 2/3 1/1\n");
   std::string text = R"(
 view: {location: {0: [0, 0, 6], 4: [1, 0, 6]}, look_at: [0, 0, 0], lens: {radius: 0.01, focus: 6}}
 environment: {file: sky.png}
@@ -64,7 +65,7 @@ scene:
   - {material: lamp, sphere: {center: [-2, 2, 0], radius: 0.2}}
   - {material: glass, quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, 0, 0, -0.2], planes: [[0, 1, 0, 0]]}}
   - polygon: {points: [[-3, -1, -3], [3, -1, -3], [3, -1, 3], [0, -1, 0], [-3, -1, 3]],
-              normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]]}
+              normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]], smooth: gouraud}
   - {material: gold, use: pair, transform: [{rotate: {axis: [0, 0, 1], degrees: {0: 0, 4: 90}}}, {translate: [0, 1, 0]}]}
   - {use: pair, transform: {translate: [0, -2, 0]}}
   - {use: pair, transform: {translate: [1, -2, 0]}, visible: {0: true, 3: false}}
@@ -177,6 +178,25 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
         return t.normals = {0, kNone, kNone}, true;
       },
       "a triangle with one normal");
+  expect_refusal<TriangleShading>(
+      compiled, &Scene::triangle_shading, [](TriangleShading& t) { return t.smoothing = 4, true; },
+      "a triangle of no smoothing");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.corner_count = 5, true; },
+      "a face of more corners than there are");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.corner_count = 2, true; }, "a face of two");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.first_normal = 1, true; },
+      "a face of more normals than there are");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.smoothing = 9, true; },
+      "a face of no smoothing");
+  expect_refusal<uint32_t>(
+      compiled, &Scene::face_corners, [](uint32_t& corner) { return corner = 4, true; }, "a face's corner");
+  expect_refusal<uint32_t>(
+      compiled, &Scene::face_normals, [](uint32_t& normal) { return normal = 1u << 20, true; },
+      "a face's normal");
   expect_refusal<Instance>(
       compiled, &Scene::instances,
       [](Instance& instance) { return instance.moving = 1000, instance.part == 0; }, "a moving instance");
@@ -209,6 +229,15 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
   expect_refusal<Light>(
       compiled, &Scene::lights, [](Light& light) { return light.moving = 7, true; },
       "a light that moves nowhere");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.reflections = Reflections{3}, true; },
+      "reflections of a fourth kind");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.exponent = NAN, true; }, "no exponent");
+  for (Color Material::*const colour : {&Material::interior, &Material::filter})
+    expect_refusal<Material>(
+        compiled, &Scene::materials, [colour](Material& m) { return (m.*colour).y = -1, true; },
+        "light below nothing");
   expect_refusal<double>(
       compiled, &Scene::key_frames, [](double& frame) { return frame = NAN, true; }, "a key at no frame");
   expect_refusal<double>(
@@ -291,6 +320,16 @@ TEST(Settings, ThereAndBack) {
   EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
   settings.samples = 1 << 10;
   EXPECT_EQ(decode_settings(encode_settings(settings)).diffuse_rays, 4096u);
+  settings.glass_shadows = GlassShadows::none;
+  settings.ambient_colour = AmbientColour::light;
+  settings.transmitted_rays = 1000;
+  EXPECT_EQ(decode_settings(encode_settings(settings)).transmitted_rays, 1000u);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).glass_shadows, GlassShadows::none);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).ambient_colour, AmbientColour::light);
+  for (const uint32_t rays : {0u, 1001u}) {
+    settings.transmitted_rays = rays;
+    EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
+  }
 }
 
 }  // namespace

@@ -195,7 +195,10 @@ class Loader {
   /// A mesh whose file gives every face a material needs none.
   void note_idle_material(const YamlValue& value, uint32_t material, uint32_t object) {
     const auto& mesh = std::get<MeshShape>(scene_.objects[object].primitives.back().shape);
-    if (std::find(mesh.materials.begin(), mesh.materials.end(), material) == mesh.materials.end())
+    const auto has = [&](const std::vector<uint32_t>& materials) {
+      return std::find(materials.begin(), materials.end(), material) != materials.end();
+    };
+    if (!has(mesh.materials) && !has(mesh.polygons.materials))
       scene_.notes.add(
           scene_.source(value.place()),
           fmt::format("material '{}' is not used: the mesh's file gives all faces their materials",

@@ -37,12 +37,14 @@ double read_index(YamlMap& map, double fallback) {
   const auto v = map.find("index");
   return v ? v->number_in(1e-3, 1e3) : fallback;
 }
+Color read_albedo(const YamlValue& value, const char* key, bool is_allowed) {
+  const Color c = value.color();
+  require_energy(value, is_allowed, max_component(c), fmt::format("`{}`", key));
+  return c;
+}
 Color read_albedo(YamlMap& map, const char* key, const Color& fallback, bool is_allowed) {
   const auto v = map.find(key);
-  if (!v) return fallback;
-  const Color c = v->color();
-  require_energy(*v, is_allowed, max_component(c), fmt::format("`{}`", key));
-  return c;
+  return v ? read_albedo(*v, key, is_allowed) : fallback;
 }
 
 uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescription>& textures) {
@@ -68,12 +70,26 @@ void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
   coefficient("ambient", m.ambient);
   coefficient("diffuse", m.diffuse);
   coefficient("specular", m.specular);
+  const bool has_shininess = map.find("shininess").has_value();
   coefficient("shininess", m.shininess);
   coefficient("reflect", m.reflect);
   coefficient("transmit", m.transmit);
   m.index = read_index(map, 1);
-  require_energy(map.value(), is_allowed, max_component(m.color) * m.diffuse + m.reflect + m.transmit,
-                 "`color` × `diffuse` + `reflect` + `transmit`");
+  if (const auto interior = map.find("interior")) {
+    if (!(m.transmit > 0)) interior->fail("`interior` weighs what `transmit` lets through; give that, too");
+    m.interior = read_albedo(*interior, "interior", is_allowed);
+  }
+  if (const auto exponent = map.find("exponent")) {
+    if (!(m.reflect > 0 || m.transmit > 0))
+      exponent->fail(
+          "`exponent` spreads what `reflect` and `transmit` send on; give one of them, too, or `shininess` "
+          "for highlights alone");
+    m.exponent = exponent->number_in(0, 1e6);
+    if (m.exponent > 0 && !has_shininess) m.shininess = m.exponent;
+  }
+  require_energy(map.value(), is_allowed,
+                 max_component(m.color) * m.diffuse + m.reflect + m.transmit * max_component(m.interior),
+                 "`color` × `diffuse` + `reflect` + `transmit` × `interior`");
 }
 
 void read_conductor(const YamlValue& value, MaterialDescription& m) {
@@ -254,6 +270,8 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
     m.bump_height = bump.require("height").number_in(-1e9, 1e9);
     bump.finish();
   }
+  if (auto v = map.find("reflections"))
+    m.reflections = static_cast<Reflections>(v->choice({"true", "specular", "false"}));
   if (m.kind == MaterialKind::classical) read_classical(map, m, is_allowed);
   map.finish();
   return m;

@@ -234,7 +234,7 @@ class NetLoad {
       s.form = form;
       s.pixels_per_message = static_cast<int>(kPixelsPerTransfer);
       s.messages_held = 0;
-      s.least_side_px = 8;
+      s.least_side_px = least_side_of(s.form);
       s.rate_bit_per_s = rate;
       s.cost = read_cost_map(runs_.file(name + ".map.json").string());
       const double plain = simulate(s).bytes;

@@ -89,7 +89,7 @@ Simulation simulation_of(const Era& era, ResultForm form, int processors) {
   s.cost.height_px = era.height_px;
   s.cost.pixel_s = {era.pixel_s};
   s.cost.pixel_bytes = {era.compressed_bytes};
-  if (form != ResultForm::pixels) s.least_side_px = 8;  // as the farm cuts: smaller blocks are mostly header
+  s.least_side_px = least_side_of(form);
   return s;
 }
 
