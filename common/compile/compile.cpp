@@ -1,6 +1,7 @@
 #include "common/compile/compile.h"
 
 #include "common/compile/darkness.h"
+#include "common/compile/libraries.h"
 #include "common/compile/lights.h"
 #include "common/compile/objects.h"
 #include "common/compile/parts.h"
@@ -37,15 +38,18 @@ void add_materials(SceneArrays<GrowingArray>& arrays, const SceneDescription& de
 class PartCompiler {
  public:
   PartCompiler(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
-               const BuildOptions& options)
+               const BuildOptions& options, Purpose purpose)
       : arrays_(arrays),
         description_(description),
         options_(options),
+        purpose_(purpose),
         shapes_(arrays, luminaires_, description, options.stop),
+        libraries_(description.libraries.size()),
         part_of_(description.objects.size(), kNone) {}
 
   void add_all() {
-    const std::vector<uint32_t> fixed = fixed_objects(description_);
+    const std::vector<uint32_t> fixed =
+        purpose_ == Purpose::library ? std::vector<uint32_t>{description_.root} : fixed_objects(description_);
     add(description_.root, fixed);
     std::vector<bool> is_added(description_.objects.size());
     for (const uint32_t object : fixed) is_added[object] = true;
@@ -67,6 +71,10 @@ class PartCompiler {
   /// Makes the primitives of `objects` one part, which moves with `owner`.
   void add(uint32_t owner, std::span<const uint32_t> objects) {
     throw_if_stopped(options_.stop);
+    if (const std::optional<BuiltPart>& built = description_.objects[owner].built) {
+      part_of_[owner] = place(built->library, description_.objects[owner].place) + built->part;
+      return;
+    }
     PartPrimitives primitives;
     for (const uint32_t object : objects)
       for (const PrimitiveDescription& p : description_.objects[object].primitives)
@@ -81,18 +89,66 @@ class PartCompiler {
     luminous_of_.push_back(luminaires_.take());
   }
 
+  /// Adds a library's parts when the first of them is met; returns where they begin.
+  uint32_t place(uint32_t library, const Place& place) {
+    std::optional<uint32_t>& first_part = libraries_[library];
+    if (first_part) return *first_part;
+    const Scene& more = description_.libraries[library].scene;
+    if (more.triangle_shading.size() > limits::kPrimitives - arrays_.triangle_shading.size() ||
+        more.face_corners.size() > limits::kFaceCorners - arrays_.face_corners.size())
+      throw InputError(description_.source(place),
+                       "the scene has too many triangles or corners of faces, those of part files counted");
+    PlacedLibrary placed = append_library(arrays_, description_.libraries[library], place, luminaires_);
+    for (std::vector<Luminous>& luminous : placed.luminous_of) luminous_of_.push_back(std::move(luminous));
+    first_part = placed.first_part;
+    return *first_part;
+  }
+
   SceneArrays<GrowingArray>& arrays_;
   const SceneDescription& description_;
   const BuildOptions& options_;
+  Purpose purpose_;
   Luminaires luminaires_;
   ShapeCompiler shapes_;
+  std::vector<std::optional<uint32_t>> libraries_;  ///< where the parts of each begin, once they are there
   std::vector<uint32_t> part_of_;
   std::vector<std::vector<Luminous>> luminous_of_;
 };
 
+/// What a scene says that is none of its objects' business.
+void add_notes_of_idle(const SceneDescription& description, Notes& notes) {
+  std::string idle;
+  const auto list = [&idle](bool is_there, const char* key) {
+    if (is_there) idle += fmt::format("{}`{}`", idle.empty() ? "" : ", ", key);
+  };
+  list(description.has_view, "view");
+  list(!description.lights.empty(), "lights");
+  list(description.environment.has_value(), "environment");
+  list(description.background != Color(0), "background");
+  list(description.ambient != Color(1), "ambient");
+  if (!idle.empty())
+    notes.add(
+        description.source(),
+        fmt::format(
+            "{}: left out, as they belong to a scene and not to its objects (a light that belongs to an "
+            "object is `light:` in its tree)",
+            idle));
+}
+
+/// What options can't change.
+void add_notes_of_built(const SceneDescription& description, const BuildOptions& options, Notes& notes) {
+  const BuildOptions usual;
+  if (description.libraries.empty() ||
+      (options.rule == usual.rule && options.max_primitives == usual.max_primitives &&
+       options.structure == usual.structure))
+    return;
+  notes.add({description.libraries[0].path},
+            "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
+}
+
 }  // namespace
 
-CompiledScene compile(const SceneDescription& description, const BuildOptions& options) {
+CompiledScene compile(const SceneDescription& description, const BuildOptions& options, Purpose purpose) {
   SceneArrays<GrowingArray> arrays;
   arrays.header.resize(1);
   arrays.header[0].background = description.background;
@@ -101,12 +157,13 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   add_materials(arrays, description);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
   add_listed_lights(arrays, description);
-  PartCompiler parts(arrays, description, options);
+  if (purpose == Purpose::library) arrays.lights.clear();
+  PartCompiler parts(arrays, description, options, purpose);
   parts.add_all();
   LightPlaces places;
   places.in_objects = ObjectTree(arrays, description, parts.part_of(), options.stop).expand();
   build_object_part(arrays, description, options.stop);
-  add_environment(arrays, description);
+  if (purpose == Purpose::pictures) add_environment(arrays, description);
   places.luminaires = add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
   weigh_lights(arrays);
 
@@ -115,7 +172,11 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.scene = decode_scene(result.block.bytes());
   result.notes = description.notes;
   parts.add_notes(result.notes);
-  add_notes_of_darkness(description, result.scene, places, result.notes);
+  add_notes_of_built(description, options, result.notes);
+  if (purpose == Purpose::library)
+    add_notes_of_idle(description, result.notes);
+  else
+    add_notes_of_darkness(description, result.scene, places, result.notes);
   return result;
 }
 

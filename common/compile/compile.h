@@ -13,8 +13,15 @@ struct CompiledScene {
   Notes notes;  ///< of loading and compiling
 };
 
+/// For what a compiled scene is.
+enum class Purpose {
+  pictures,
+  library  ///< to be taken into scenes: the objects alone. Each node stays one, as if it were defined there
+};
+
 /// Throws InputError for what only shows while compiling: a quadric that its planes don't bound, a view
 /// without a direction, an object that an animation flattens at its first frame.
-CompiledScene compile(const SceneDescription& description, const BuildOptions& options = {});
+CompiledScene compile(const SceneDescription& description, const BuildOptions& options = {},
+                      Purpose purpose = Purpose::pictures);
 
 }  // namespace rayfarm

@@ -173,8 +173,9 @@ bool shines_past_everything(const Scene& scene, const Light& light, size_t& pati
 void note_turned_spots(const SceneDescription& description, const Scene& scene,
                        std::span<const Place> places_in_objects, Notes& notes) {
   if (scene.instances.empty()) return;
-  const bool changes =
-      !scene.moving_instances.empty() || !scene.moving_lights.empty() || has_changing_links(scene);
+  const bool changes = !scene.moving_instances.empty() || has_changing_links(scene) ||
+                       std::any_of(scene.lights.begin(), scene.lights.end(),
+                                   [](const Light& light) { return light.moving != kNone; });
   const char* when = changes ? " at the first frame" : "";
   const char* remedy = "check its `position` and `direction`";
   const size_t listed = description.lights.size();

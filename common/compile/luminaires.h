@@ -26,6 +26,8 @@ class Luminaires {
   /// What was added since the last call, by id.
   std::vector<Luminous> take();
   const std::vector<LuminaireTriangle>& triangles() const { return triangles_; }
+  /// Those so far, and others behind them that were found before.
+  void take_over(std::vector<LuminaireTriangle> triangles) { triangles_ = std::move(triangles); }
 
   /// Says what shines and is no lamp.
   void add_notes(const SceneDescription& description, Notes& notes) const;

@@ -44,7 +44,9 @@ std::vector<uint32_t> fixed_objects(const SceneDescription& description) {
   std::vector<uint32_t> fixed{description.root};
   for (size_t i = 0; i < fixed.size(); ++i)  // grows while it is read
     for (const ChildDescription& child : description.objects[fixed[i]].children)
-      if (child.transform.empty() && !child.visible && uses[child.object] == 1) fixed.push_back(child.object);
+      if (child.transform.empty() && !child.visible && uses[child.object] == 1 &&
+          !description.objects[child.object].built)
+        fixed.push_back(child.object);
   return fixed;
 }
 
@@ -94,10 +96,8 @@ void ObjectTree::add_light(const LightDescription& light, uint32_t node, bool mo
   add_spectra(arrays_, light.spectra, index);
   arrays_.lights.push_back(light.light);
   arrays_.lights.back().object_node = node;
-  if (moves) {
-    arrays_.lights.back().moving = static_cast<uint32_t>(arrays_.moving_lights.size());
-    arrays_.moving_lights.push_back({light.light, node, index});
-  }
+  if (moves) arrays_.lights.back().moving = static_cast<uint32_t>(arrays_.object_lights.size());
+  arrays_.object_lights.push_back({light.light, node, index});
   light_places_.push_back(light.place);
 }
 

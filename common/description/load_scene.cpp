@@ -15,8 +15,10 @@ struct Format {
   const char* extension;
   SceneDescription (*load)(const std::string& path, const std::stop_token& stop);
 };
-constexpr Format kFormats[] = {
-    {".yaml", load_yaml_scene}, {".yml", load_yaml_scene}, {".nff", load_nff_scene}};
+constexpr Format kFormats[] = {{".yaml", load_yaml_scene},
+                               {".yml", load_yaml_scene},
+                               {".nff", load_nff_scene},
+                               {".rfp", load_part_scene}};
 
 /// What to do with a file that is no scene.
 std::string advice_for(const std::string& path, const std::string& extension) {
@@ -41,8 +43,9 @@ SceneDescription load_scene(const std::string& path, const std::stop_token& stop
     validate(scene, stop);
     return scene;
   }
-  throw IoError(fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff{}", path, extension,
-                            advice_for(path, extension)));
+  throw IoError(fmt::format(
+      "{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff, and objects that it compiled (.rfp){}",
+      path, extension, advice_for(path, extension)));
 } catch (const std::bad_alloc&) {
   throw IoError(fmt::format("{}: the scene and its files need more memory than there is", path));
 }

@@ -4,8 +4,12 @@
 
 namespace rayfarm {
 
-PrimitiveCounts count_primitives(const ObjectDescription& object) {
+PrimitiveCounts count_primitives(const SceneDescription& scene, const ObjectDescription& object) {
   PrimitiveCounts counts;
+  if (object.built) {
+    const Part& part = scene.libraries[object.built->library].scene.parts[object.built->part];
+    counts = {uint64_t{part.triangle_count} + part.polygon_count, part.sphere_count, part.quadric_count};
+  }
   for (const PrimitiveDescription& primitive : object.primitives) {
     if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape))
       counts.polygons += mesh->triangles.size() + mesh->polygons.sides.size();
@@ -24,7 +28,7 @@ PrimitiveCounts count_copies(const SceneDescription& scene) {
   const std::function<PrimitiveCounts(uint32_t)> count =
       [&](uint32_t object) -> PrimitiveCounts {  // depth is bounded by validate
     if (known[object]) return *known[object];
-    PrimitiveCounts sum = count_primitives(scene.objects[object]);
+    PrimitiveCounts sum = count_primitives(scene, scene.objects[object]);
     for (const ChildDescription& child : scene.objects[object].children) sum += count(child.object);
     known[object] = sum;
     return sum;

@@ -17,7 +17,7 @@ struct PrimitiveCounts {
 };
 
 /// Of the object itself, without its children.
-PrimitiveCounts count_primitives(const ObjectDescription& object);
+PrimitiveCounts count_primitives(const SceneDescription& scene, const ObjectDescription& object);
 
 /// Of the scene, those of an object once for every copy of it. The description must be valid.
 PrimitiveCounts count_copies(const SceneDescription& scene);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -16,6 +17,7 @@
 #include "common/scene/animation.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/light.h"
+#include "common/scene/scene_block.h"
 #include "common/scene/spectral_color.h"
 #include "common/shapes/polygon.h"
 #include "common/textures/texture.h"
@@ -157,6 +159,23 @@ struct LightDescription {
   std::vector<SpectrumDescription> spectra{};
 };
 
+/// Objects from a file of their own, whose volumes are built already (thesis 4.2.2: "objects from a
+/// library").
+struct LibraryDescription {
+  std::string path;
+  std::shared_ptr<const SceneBlock> block;  ///< what `scene` looks at
+  Scene scene;
+  /// Where its materials, textures and diagrams stand among the description's.
+  uint32_t first_material = 0, first_texture = 0, first_diagram = 0;
+  uint32_t root = 0;  ///< the object that all of it is
+};
+
+/// Primitives that are no longer described: a part of a library.
+struct BuiltPart {
+  uint32_t library = 0;
+  uint32_t part = 0;
+};
+
 /// A node of the object tree. An object may be the child of several others, but never of itself.
 struct ObjectDescription {
   std::string name;
@@ -164,11 +183,13 @@ struct ObjectDescription {
   std::vector<ChildDescription> children;
   Place place;
   std::vector<LightDescription> lights{};
+  std::optional<BuiltPart> built{};  ///< beside or in place of primitives
 };
 
 struct SceneDescription {
   std::vector<std::string> files;  ///< every file read; [0] is the scene
   ViewDescription view;
+  bool has_view = false;                          ///< the file tells of it
   Color background{0};                            ///< times the environment, if there is one
   std::optional<TextureDescription> environment;  ///< an image of all directions, seen behind the scene
   double environment_turn = 0;                    ///< about y, in whole turns
@@ -178,6 +199,7 @@ struct SceneDescription {
   std::vector<SpectrumDescription> spectra;       ///< of those lights, background and ambient light
   std::vector<MaterialDescription> materials;     ///< the parts of a mix before it
   std::vector<TextureDescription> textures;
+  std::vector<LibraryDescription> libraries;
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;
   std::optional<std::array<int, 2>> frames;  ///< first and last
@@ -190,8 +212,8 @@ struct SceneDescription {
   SourcePlace source() const { return {files.empty() ? "the scene" : files[0]}; }
 };
 
-/// Loads a scene by its extension (.yaml, .yml or .nff) and validates it: throws InputError or IoError, and
-/// Stopped soon after `stop` is requested.
+/// Loads a scene by its extension (.yaml, .yml or .nff; .rfp: compiled objects, seen from the front) and
+/// validates it: throws InputError or IoError, and Stopped soon after `stop` is requested.
 SceneDescription load_scene(const std::string& path, const std::stop_token& stop = {});
 
 /// The checks that hold for every format: finite numbers, planar polygons, counts, cycles, instances.

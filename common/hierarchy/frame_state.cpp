@@ -93,8 +93,7 @@ void refit(const Scene& scene, std::span<const InstancePose> moving, std::span<V
 }
 
 Pose FrameState::at(double time, double frame) {
-  if (scene_.moving_instances.empty() && scene_.moving_lights.empty())
-    return {scene_, {}, scene_.moving_nodes, {}};
+  if (scene_.moving_instances.empty() && !has_moving_lights_) return {scene_, {}, scene_.moving_nodes, {}};
   const std::vector<Affine> world = world_transforms(scene_, time);
   const std::vector<char> visible =
       has_changing_links(scene_) ? visible_nodes(scene_, frame) : std::vector<char>(world.size(), 1);
@@ -106,13 +105,15 @@ Pose FrameState::at(double time, double frame) {
     else
       moving_.emplace_back().is_hidden = 1;  // its bounds are empty
   }
-  moving_lights_.clear();
-  for (const MovingLight& light : scene_.moving_lights)
-    moving_lights_.push_back(
-        visible[light.object_node] ? make_light_place(light.place, world[light.object_node]) : light.place);
+  light_places_.clear();
+  for (const ObjectLight& light : scene_.object_lights) {
+    const bool is_placed = scene_.lights[light.light].moving != kNone && visible[light.object_node];
+    light_places_.push_back(is_placed ? make_light_place(light.place, world[light.object_node])
+                                      : light.place);
+  }
   moving_nodes_.assign(scene_.moving_nodes.begin(), scene_.moving_nodes.end());
   refit(scene_, moving_, moving_nodes_);
-  return {scene_, moving_, moving_nodes_, moving_lights_};
+  return {scene_, moving_, moving_nodes_, light_places_};
 }
 
 }  // namespace rayfarm

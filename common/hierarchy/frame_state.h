@@ -11,12 +11,12 @@ namespace rayfarm {
 class Pose {
  public:
   Pose(const Scene& scene, std::span<const InstancePose> moving, std::span<const VolumeNode> moving_nodes,
-       std::span<const LightPlace> moving_lights)
+       std::span<const LightPlace> light_places)
       : instances_(scene.moving_instances.empty() ? nullptr : scene.instances.data()),
         fixed_(scene.poses.data()),
         moving_(moving.data()),
         moving_nodes_(moving_nodes.data()),
-        moving_lights_(moving_lights.data()) {}
+        light_places_(light_places.data()) {}
 
   const InstancePose& operator[](uint32_t instance) const {
     if (!instances_) return fixed_[instance];
@@ -27,14 +27,14 @@ class Pose {
   const VolumeNode* moving_nodes() const { return moving_nodes_; }
   /// Where a light of the scene stands in the world.
   const LightPlace& operator[](const Light& light) const {
-    return light.moving == kNone ? light : moving_lights_[light.moving];
+    return light.moving == kNone ? light : light_places_[light.moving];
   }
 
  private:
   const Instance* instances_;  ///< null if none moves
   const InstancePose *fixed_, *moving_;
   const VolumeNode* moving_nodes_;
-  const LightPlace* moving_lights_;
+  const LightPlace* light_places_;  ///< of the objects' lights
 };
 
 /// The world transform of every object node at `frame`, in the tree's order.
@@ -61,7 +61,10 @@ void refit(const Scene& scene, std::span<const InstancePose> moving, std::span<V
 /// Owns the state of one moment: of what moves alone. All else is traced where it lies in the scene block.
 class FrameState {
  public:
-  explicit FrameState(const Scene& scene) : scene_(scene) {}
+  explicit FrameState(const Scene& scene)
+      : scene_(scene),
+        has_moving_lights_(std::any_of(scene.lights.begin(), scene.lights.end(),
+                                       [](const Light& light) { return light.moving != kNone; })) {}
   /// The state at `time`, valid until the next call. Objects move while the shutter is open, but come and go
   /// between frames (Figure 4.4): they are there by the number of the frame. Throws std::domain_error if the
   /// transform of what is there is singular or not finite.
@@ -70,9 +73,10 @@ class FrameState {
 
  private:
   Scene scene_;
+  bool has_moving_lights_;
   std::vector<InstancePose> moving_;
   std::vector<VolumeNode> moving_nodes_;
-  std::vector<LightPlace> moving_lights_;
+  std::vector<LightPlace> light_places_;
 };
 
 }  // namespace rayfarm

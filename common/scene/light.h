@@ -38,15 +38,15 @@ struct Light : LightPlace {
   uint32_t material = 0;
   uint32_t diagram = kNone;      ///< of a bulb whose intensity differs by direction
   uint32_t object_node = kNone;  ///< where it stands in the object tree; none: it belongs to the whole scene
-  uint32_t moving = kNone;       ///< which of the moving lights it is; none: it never moves
+  uint32_t moving = kNone;       ///< which of the objects' lights it is; none: it never moves
   uint32_t reserved = 0;
   Color color{1};
   /// Of the angles up to which a spot is bright, and from which it is dark.
   double cosine_full = 1, cosine_none = 1;
 };
 
-/// A source that moves, as it stands in its object's space.
-struct MovingLight {
+/// Where a source of the object tree stands in its object's space.
+struct ObjectLight {
   LightPlace place;
   uint32_t object_node = 0;
   uint32_t light = 0;

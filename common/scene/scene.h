@@ -107,7 +107,7 @@ struct SceneHeader {
 /// Every array of the block, as `Array<element>`: a view's spans, or vectors while a scene is compiled.
 template <template <typename> typename Array>
 struct SceneArrays {
-#define RAYFARM_ARRAY(element, name) Array<element> name;
+#define RAYFARM_ARRAY(element, name, role) Array<element> name;
 #include "common/scene/scene_arrays.inc"
 #undef RAYFARM_ARRAY
 };
@@ -138,7 +138,7 @@ struct Scene : SceneArrays<ArrayView> {
 /// Calls visit(name, array) for every array in the block's order.
 template <typename Arrays, typename Visitor>
 void for_each_array(Arrays& arrays, Visitor visit) {
-#define RAYFARM_ARRAY(element, name) visit(#name, arrays.name);
+#define RAYFARM_ARRAY(element, name, role) visit(#name, arrays.name);
 #include "common/scene/scene_arrays.inc"
 #undef RAYFARM_ARRAY
 }
@@ -146,7 +146,7 @@ void for_each_array(Arrays& arrays, Visitor visit) {
 /// Valid until an array grows.
 inline Scene view_of(const SceneArrays<GrowingArray>& arrays) {
   Scene scene;
-#define RAYFARM_ARRAY(element, name) scene.name = arrays.name;
+#define RAYFARM_ARRAY(element, name, role) scene.name = arrays.name;
 #include "common/scene/scene_arrays.inc"
 #undef RAYFARM_ARRAY
   return scene;

@@ -214,7 +214,9 @@ void check_lights(const Scene& s) {
     const Light& light = s.lights[i];
     require(light.diagram == kNone || light.diagram < s.goniometric_diagrams.size(), "a light's diagram");
     require(light.object_node == kNone || light.object_node < s.object_nodes.size(), "a light's place");
-    require(light.moving == kNone || light.moving < s.moving_lights.size(), "a light's place");
+    require(light.moving == kNone ||
+                (light.moving < s.object_lights.size() && s.object_lights[light.moving].light == i),
+            "a light's place");
     require(light.kind <= LightKind::luminaire &&
                 (light.kind == LightKind::luminaire) == (i >= first_luminaire) &&
                 (light.kind != LightKind::environment || s.head().environment != kNone),
@@ -332,10 +334,14 @@ void check_motion(const Scene& s) {
   for (size_t m = 0; m < s.moving_instances.size(); ++m)
     require(s.moving_instances[m] < s.instances.size() && s.instances[s.moving_instances[m]].moving == m,
             "a moving instance");
-  for (size_t m = 0; m < s.moving_lights.size(); ++m)
-    require(s.moving_lights[m].object_node < s.object_nodes.size() &&
-                s.moving_lights[m].light < s.lights.size() && s.lights[s.moving_lights[m].light].moving == m,
-            "a moving light");
+  for (size_t i = 0; i < s.object_lights.size(); ++i) {
+    const ObjectLight& place = s.object_lights[i];
+    require(place.light < s.lights.size(), "an object's light");
+    const Light& light = s.lights[place.light];
+    require(place.object_node < s.object_nodes.size() && light.object_node == place.object_node &&
+                (light.moving == kNone || light.moving == i),
+            "an object's light");
+  }
 }
 
 }  // namespace

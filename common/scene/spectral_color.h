@@ -22,6 +22,10 @@ enum class SpectralField : uint32_t {
   ambient
 };
 
+inline bool is_of_material(SpectralField field) {
+  return field < SpectralField::light;
+}
+
 struct SpectralColor {
   SpectralField field = SpectralField::color;
   uint32_t index = 0;  ///< of the material or light

@@ -125,6 +125,15 @@ Color image(const Texture& t, std::span<const uint16_t> texels, const Vec2& uv, 
 
 }  // namespace
 
+size_t texel_count(const Texture& t) {
+  const uint32_t depth_px = t.kind == TextureKind::array ? t.depth_px : 1;
+  size_t count = 0;
+  for (uint32_t level = 0; level < t.levels; ++level)
+    count += size_t{std::max(1u, t.width_px >> level)} * std::max(1u, t.height_px >> level) *
+             std::max(1u, depth_px >> level);
+  return count;
+}
+
 Color eval_texture(const Texture& t, std::span<const uint16_t> texels, const TexturePoint& at) {
   if (t.kind == TextureKind::image)
     return image(t, texels, at.uv / Vec2(t.scale) + t.offset,

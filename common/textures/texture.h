@@ -35,6 +35,9 @@ struct Texture {
   uint32_t depth_px = 0, is_repeated = 1;  ///< of an array; else its outermost values go on outside of it
 };
 
+/// Of an image or array, at all its levels; else 0.
+size_t texel_count(const Texture& texture);
+
 struct TexturePoint {
   Vec3 p{0};  ///< in the object's space
   Vec2 uv{0};

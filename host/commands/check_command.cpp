@@ -45,7 +45,7 @@ void add_check_command(CommandLine& line) {
   verb.name = "check";
   verb.help = "validate a scene and list every file it uses";
   verb.run = [path](const Renders&) { return check(*path); };
-  line.add(std::move(verb)).text("SCENE", *path, ".yaml or .nff").required();
+  line.add(std::move(verb)).text("SCENE", *path, ".yaml, .nff or .rfp").required();
 }
 
 }  // namespace rayfarm

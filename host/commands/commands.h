@@ -7,6 +7,7 @@ namespace rayfarm {
 void add_render_command(CommandLine& line);
 void add_check_command(CommandLine& line);
 void add_info_command(CommandLine& line);
+void add_compile_command(CommandLine& line);
 void add_compare_command(CommandLine& line);
 void add_experiment_command(CommandLine& line);
 void add_model_command(CommandLine& line);

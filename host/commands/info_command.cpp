@@ -29,7 +29,7 @@ void print_tree(const SceneDescription& scene, uint32_t object, size_t depth, si
   }
   const ObjectDescription& o = scene.objects[object];
   fmt::print("  {:{}}{}{}{}\n", "", 2 * depth, o.name,
-             o.primitives.empty() ? "" : ": " + text_of(count_primitives(o)),
+             o.primitives.empty() && !o.built ? "" : ": " + text_of(count_primitives(scene, o)),
              o.children.empty()
                  ? ""
                  : fmt::format(" ({} child{})", o.children.size(), o.children.size() == 1 ? "" : "ren"));
@@ -88,7 +88,7 @@ void add_info_command(CommandLine& line) {
   verb.name = "info";
   verb.help = "print a scene's counts, bounds, object tree and memory";
   verb.run = [path](const Renders&) { return print_info(*path); };
-  line.add(std::move(verb)).text("SCENE", *path, ".yaml or .nff").required();
+  line.add(std::move(verb)).text("SCENE", *path, ".yaml, .nff or .rfp").required();
 }
 
 }  // namespace rayfarm

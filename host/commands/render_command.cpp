@@ -319,7 +319,7 @@ void add_render_command(CommandLine& line) {
   verb.run = [o](const Renders& renders) { return renders.as_launched(*o); };
   verb.is_for_all_ranks = true;
   Options options = line.add(std::move(verb));
-  options.text("SCENE", o->scene, ".yaml or .nff").required();
+  options.text("SCENE", o->scene, ".yaml, .nff or .rfp").required();
   add_picture(options, *o);
   add_light(options, *o);
   add_sampling(options, *o);

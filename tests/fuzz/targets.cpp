@@ -10,6 +10,7 @@
 #include "common/compile/compile.h"
 #include "common/description/formats/ies_loader.h"
 #include "common/description/formats/scene_loaders.h"
+#include "common/description/part_file.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
 #include "common/scene/settings_codec.h"
@@ -66,6 +67,9 @@ constexpr const char* kMtl =
     "0\n";
 constexpr const char* kYamlMesh =
     "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{mesh: {file: a.obj, smooth: phong}}]\n";
+constexpr const char* kYamlPart =
+    "view: {location: [0, 0, 9], look_at: [0, 0, 0]}\nlights: [{position: [1, 2, 3]}]\nscene:\n"
+    "  - {use: {file: a.rfp}}\n  - {use: {file: a.rfp}, transform: {scale: 0.5}}\n";
 constexpr const char* kNff =
     "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 8 8\nb 0.1 0.2 0.3\nl 3 4 5\n"
     "f 1 0.5 0.2 0.8 0.3 20 0 1\np 4\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\ns 0 0 1 0.5\nc\n0 0 0 1\n0 0 1 0.2\n"
@@ -202,6 +206,19 @@ std::vector<std::string> block_seeds() {
   return seeds;
 }
 
+std::vector<std::string> part_seeds(const Folder& folder) {
+  std::vector<std::string> seeds;
+  for (const char* scene :
+       {"scenes/primitives.yaml", "scenes/animation.yaml", "tests/golden/scenes/stage.yaml"}) {
+    const CompiledScene compiled =
+        compile(load_scene(std::string(RAYFARM_SOURCE "/") + scene), {}, Purpose::library);
+    seeds.push_back("b" + text_of(compiled.block.bytes()));
+    write_part_file(folder.path + "/a.rfp", compiled.block, scene);
+    seeds.push_back("f" + read_file(folder.path + "/a.rfp", limits::kFileBytes));
+  }
+  return seeds;
+}
+
 JobPlan make_plan() {
   JobPlan plan;
   plan.policy = AssignmentPolicy::interleaved;
@@ -309,6 +326,19 @@ std::vector<Target> make_targets(const std::string& path) {
        {text_of(encode_plan(make_plan()))},
        {}},
       {"settings", [](const std::string& bytes) { decode_settings(bytes_of(bytes)); }, settings_seeds(), {}},
+      {"part",
+       [folder](const std::string& bytes) {
+         if (bytes.empty()) return;
+         // A whole file, or a block in a file that is whole but for it.
+         if (bytes[0] == 'f')
+           folder.write("a.rfp", bytes.substr(1));
+         else
+           write_part_file(folder.path + "/a.rfp", block_of(bytes.substr(1)), "a.yaml");
+         render_file(folder.write("part.yaml", kYamlPart));
+       },
+       part_seeds(folder),
+       {},
+       true},
       {"scene",
        [](const std::string& bytes) {
          const SceneBlock block = block_of(bytes);

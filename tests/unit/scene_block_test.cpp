@@ -224,9 +224,9 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
         return t.kind == TextureKind::image;
       },
       "a number of texels that wraps");
-  expect_refusal<MovingLight>(
-      compiled, &Scene::moving_lights, [](MovingLight& light) { return light.light = 0, true; },
-      "a light that says that it does not move");
+  expect_refusal<ObjectLight>(
+      compiled, &Scene::object_lights, [](ObjectLight& light) { return light.light = 0, true; },
+      "a light that says that it stands in no object");
   expect_refusal<ObjectNode>(
       compiled, &Scene::object_nodes, [](ObjectNode& node) { return node.visible = 1000, true; },
       "an object that is there by a curve that is not");

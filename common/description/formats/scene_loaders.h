@@ -9,6 +9,8 @@ namespace rayfarm {
 SceneDescription load_yaml_scene(const std::string& path, const std::stop_token& stop);
 /// Haines's Neutral File Format: v, b, l, f, c, s, p, pp and comments.
 SceneDescription load_nff_scene(const std::string& path, const std::stop_token& stop);
+/// Compiled objects, to look at them.
+SceneDescription load_part_scene(const std::string& path, const std::stop_token& stop);
 /// Adds an OBJ file's triangles to an object; its MTL materials are appended to the scene's.
 /// Without materials in the file every triangle gets `material`.
 PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& path, uint32_t material,

@@ -3,6 +3,7 @@
 #include <istream>
 #include <map>
 
+#include "common/description/describe_part.h"
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/formats/stoppable_text.h"
 #include "common/description/formats/yaml_curves.h"
@@ -61,6 +62,7 @@ class Loader {
  private:
   void read_view(const YamlValue& value) {
     YamlMap map(value);
+    scene_.has_view = true;
     ViewDescription& view = scene_.view;
     view.location = read_curve(map.require("location"), Interpolation::linear, read_point);
     const auto direction = map.find("direction"), look_at = map.find("look_at");
@@ -183,6 +185,9 @@ class Loader {
     }
     read_content(map, value, target, material, depth);
     map.finish();
+    if (own_material && map.has("use"))
+      scene_.notes.add(scene_.source(own_material->place()),
+                       "`material` has no effect on what `use` names, which has materials of its own");
     if (own_material && map.has("light"))
       scene_.notes.add(scene_.source(own_material->place()),
                        "a light has no material: `color` is its colour");
@@ -233,10 +238,8 @@ class Loader {
     }
     if (auto v = map.find("use")) {
       ++contents;
-      const std::string used = v->text();
-      const auto found = object_ids_.find(used);
-      if (found == object_ids_.end()) v->fail_unknown("object", object_names_);
-      scene_.objects[target].children.push_back({found->second, {}, v->place()});
+      const uint32_t used = v->is_map() ? read_part_file(*v) : find_object(*v);
+      scene_.objects[target].children.push_back({used, {}, v->place()});
     }
     if (contents != 1) {
       map.finish();  // an unknown key is the likelier mistake
@@ -246,6 +249,37 @@ class Loader {
           contents == 0
               ? fmt::format("an object needs one of: {}mesh, light, group, use", words)
               : "an object can hold only one shape, light, group or use; make each an entry of its own");
+    }
+  }
+
+  uint32_t find_object(const YamlValue& value) const {
+    const auto found = object_ids_.find(value.text());
+    if (found == object_ids_.end())
+      value.fail_unknown(
+          "object", object_names_,
+          extension_of(value.text()) == ".rfp" ? "; a file is named so: `use: {file: part.rfp}`" : "");
+    return found->second;
+  }
+
+  /// A file is read once however often it is used.
+  uint32_t read_part_file(const YamlValue& value) {
+    YamlMap map(value);
+    const YamlValue file = map.require("file");
+    map.finish();
+    const std::string path = (std::filesystem::path(folder()) / file.text()).string();
+    if (extension_of(path) != ".rfp")
+      file.fail(
+          "compiled objects stand in an .rfp file: `rayfarm compile part.yaml -o part.rfp` makes one; a mesh "
+          "is "
+          "`mesh: {file: name.obj}`");
+    const auto found = part_files_.find(path);
+    if (found != part_files_.end()) return found->second;
+    try {
+      part_files_[path] = add_part_file(scene_, path, value.place(), value.stop());
+      scene_.files.push_back(path);
+      return part_files_[path];
+    } catch (const IoError& e) {
+      file.fail(e.what());
     }
   }
 
@@ -269,7 +303,7 @@ class Loader {
   YamlBudget budget_;
   SceneDescription scene_;
   std::vector<std::string> material_names_, object_names_;
-  std::map<std::string, uint32_t> object_ids_;
+  std::map<std::string, uint32_t> object_ids_, part_files_;
 };
 
 }  // namespace

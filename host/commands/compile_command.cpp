@@ -1,0 +1,63 @@
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "common/compile/compile.h"
+#include "common/description/part_file.h"
+#include "common/image/image_file.h"
+#include "host/commands/commands.h"
+#include "host/process/console.h"
+#include "host/process/exit_code.h"
+
+namespace rayfarm {
+namespace {
+
+struct CompileOptions {
+  std::string scene, output;
+  BuildOptions build;
+};
+
+void check_options(const CompileOptions& o) {
+  if (extension_of(o.output) != ".rfp")
+    throw UsageError(fmt::format("-o {}: the name must end in .rfp", o.output));
+  if (extension_of(o.scene) == ".rfp")
+    throw UsageError(
+        fmt::format("{}: is compiled already; compile the scene that it was made from", o.scene));
+}
+
+int compile_objects(const CompileOptions& o) {
+  const SceneDescription scene = load_scene(o.scene);
+  const CompiledScene compiled = compile(scene, o.build, Purpose::library);
+  for (const std::string& note : compiled.notes.lines()) say("rayfarm: {}\n", note);
+  if (compiled.scene.instances.empty() && compiled.scene.lights.empty())
+    throw InputError(scene.source(), "there is no object in it that could be compiled");
+  if (compiled.scene.object_nodes.size() > limits::kObjects)
+    throw InputError(scene.source(),
+                     fmt::format("it expands to {} objects; a file of compiled objects holds at most {}",
+                                 compiled.scene.object_nodes.size(), limits::kObjects));
+  write_part_file(o.output, compiled.block, o.scene);
+  fmt::print("{}\n", o.output);
+  return kComplete;
+}
+
+}  // namespace
+
+void add_compile_command(CommandLine& line) {
+  const auto o = std::make_shared<CompileOptions>();
+  Verb verb;
+  verb.name = "compile";
+  verb.help = "build the hierarchies of a scene's objects once, into a file that scenes use";
+  verb.check = [o] { check_options(*o); };
+  verb.run = [o](const Renders&) { return compile_objects(*o); };
+  Options options = line.add(std::move(verb));
+  options.text("SCENE", o->scene, ".yaml or .nff, whose objects are compiled").required();
+  options.text("-o,--output", o->output, "FILE.rfp, for `use: {file: FILE.rfp}` in scenes; required", "FILE")
+      .required();
+  options.choice<SplitRule>(
+      "--hierarchy", o->build.rule, {{"sah", SplitRule::sah}, {"thesis", SplitRule::thesis}},
+      "how volumes are split: by the surface area heuristic, or about the centre of the data (default: sah)");
+  options.number("--max-primitives", o->build.max_primitives, 1, 1000,
+                 "in a leaf of the hierarchy (default: 8)");
+}
+
+}  // namespace rayfarm
