@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
+#include "host/experiments/page.h"
 #include "host/files/text_file.h"
 #include "host/instrument/model.h"
 #include "host/instrument/simulator.h"
-#include "host/instrument/table.h"
 
 namespace rayfarm {
 namespace {
@@ -205,34 +204,7 @@ void write_plots(const NetLoadPage& page, const Table& beyond, const fs::path& f
   write_text_file((folder / "knee.dat").string(), knee);
   write_text_file((folder / "use.dat").string(), use);
   write_text_file((folder / "beyond.dat").string(), curves);
-  write_text_file((folder / "net_load.gp").string(), kPlots);
-  const std::string command = fmt::format("cd '{}' && gnuplot net_load.gp", folder.string());
-  if (std::system("command -v gnuplot >/dev/null") != 0)
-    fmt::print(stderr,
-               "rayfarm: gnuplot was not found, so the plots are not drawn; apt-get install gnuplot-nox, "
-               "then gnuplot net_load.gp in {}\n",
-               folder.string());
-  else if (std::system(command.c_str()) != 0)
-    fmt::print(stderr, "rayfarm: gnuplot could not draw the plots\n");
-}
-
-std::string markdown(const Table& table) {
-  std::string out = "|", line = "|";
-  for (size_t i = 0; i < table.columns.size(); ++i) {
-    out += " " + table.columns[i] + " |";
-    line += !table.rows.empty() && std::holds_alternative<double>(table.rows[0][i]) ? "---:|" : "---|";
-  }
-  out += "\n" + line + "\n";
-  for (const auto& row : table.rows) {
-    out += "|";
-    for (const TableCell& cell : row)
-      out += " " +
-             (std::holds_alternative<double>(cell) ? fmt::format("{:.4g}", std::get<double>(cell))
-                                                   : std::get<std::string>(cell)) +
-             " |";
-    out += "\n";
-  }
-  return out;
+  draw_plots(folder, "net_load", kPlots);
 }
 
 std::string page_text(const NetLoadPage& page, const Table& beyond, const Table& further) {

@@ -1,0 +1,51 @@
+#include "host/experiments/page.h"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+
+#include "common/errors/input_error.h"
+#include "host/files/text_file.h"
+
+namespace rayfarm {
+
+std::filesystem::path make_page_folder(const std::string& output) {
+  std::error_code error;
+  std::filesystem::create_directories(output, error);
+  if (error) throw IoError(fmt::format("{}: can't be made: {}", output, error.message()));
+  return output;
+}
+
+std::string markdown(const Table& table) {
+  std::string out = "|", line = "|";
+  for (size_t i = 0; i < table.columns.size(); ++i) {
+    out += " " + table.columns[i] + " |";
+    line += !table.rows.empty() && std::holds_alternative<double>(table.rows[0][i]) ? "---:|" : "---|";
+  }
+  out += "\n" + line + "\n";
+  for (const auto& row : table.rows) {
+    out += "|";
+    for (const TableCell& cell : row)
+      out += " " +
+             (std::holds_alternative<double>(cell) ? fmt::format("{:.4g}", std::get<double>(cell))
+                                                   : std::get<std::string>(cell)) +
+             " |";
+    out += "\n";
+  }
+  return out;
+}
+
+void draw_plots(const std::filesystem::path& folder, const std::string& name, const std::string& script) {
+  const std::string file = name + ".gp";
+  write_text_file((folder / file).string(), script);
+  const std::string command = fmt::format("cd '{}' && gnuplot {}", folder.string(), file);
+  if (std::system("command -v gnuplot >/dev/null") != 0)
+    fmt::print(stderr,
+               "rayfarm: gnuplot was not found, so the plots are not drawn; apt-get install gnuplot-nox, "
+               "then gnuplot {} in {}\n",
+               file, folder.string());
+  else if (std::system(command.c_str()) != 0)
+    fmt::print(stderr, "rayfarm: gnuplot could not draw the plots\n");
+}
+
+}  // namespace rayfarm
