@@ -12,6 +12,11 @@ namespace rayfarm {
 enum class AssignmentPolicy : uint8_t { on_demand, interleaved };
 enum class Wire : uint8_t { block, pixel };
 
+/// The least side of subpolygons, unless another is asked for: the pixel wire's 9 bytes are the same for any.
+constexpr int least_side_of(Wire wire) {
+  return wire == Wire::pixel ? 1 : kLeastBlockSide_px;
+}
+
 struct JobPlan {
   std::string build;  ///< the host's
   std::vector<Phase> phases;

@@ -91,6 +91,10 @@ std::optional<SubpolygonId> SubpolygonGrid::find(const DisplayPolygon& p) const 
   return polygon(subpolygon) == p ? std::optional(subpolygon) : std::nullopt;
 }
 
+int64_t room_for(int width, int height, int least_side) {
+  return int64_t{std::max(1, width / least_side)} * std::max(1, height / least_side);
+}
+
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors, int per_processor,
                          int least_side, size_t most_pixels) {
   double wanted = double(per_processor) * std::max(1, processors);

@@ -23,8 +23,8 @@ struct SubpolygonGrid {
 /// The thesis's number of subpolygons for each processor.
 inline constexpr int kSubpolygonsPerProcessor = 64;
 
-/// None is narrower, unless the picture is.
-inline constexpr int kLeastSide_px = 8;
+/// Of a subpolygon that is returned as a block: smaller ones are mostly header.
+inline constexpr int kLeastBlockSide_px = 8;
 
 /// What a result may weigh: far below the 2 GiB of an MPI message, so that no node or net is busy for long
 /// with one.
@@ -33,8 +33,11 @@ inline constexpr size_t kMostSubpolygonBytes = 64 << 20;
 /// About so many subpolygons per processor, none narrower than `least_side` pixels unless the rectangle is,
 /// none with more than `most_pixels`.
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors,
-                         int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastSide_px,
+                         int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastBlockSide_px,
                          size_t most_pixels = kMostSubpolygonBytes / kPixelBytes);
+
+/// How many subpolygons of at least this side a rectangle has room for.
+int64_t room_for(int width, int height, int least_side);
 
 /// How the sets of subpolygons lie that processors trace by themselves.
 enum class SetPattern : uint8_t {

@@ -14,6 +14,8 @@ inline void render_little(const Scene& scene, int frame, int width_px, int heigh
     settings.crop = {0, 0, width_px, height_px};
     settings.lighting = model;
     settings.max_depth = 3;
+    settings.reflected_rays = settings.transmitted_rays = 2;
+    settings.glass_shadows = GlassShadows::transparent;
     Renderer(scene, settings).render(frame, settings.crop, [] {});
   }
 }

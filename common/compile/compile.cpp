@@ -5,6 +5,7 @@
 #include "common/compile/objects.h"
 #include "common/compile/parts.h"
 #include "common/compile/shapes.h"
+#include "common/compile/spectra.h"
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
 
@@ -22,6 +23,14 @@ void add_view(SceneArrays<GrowingArray>& arrays, const SceneDescription& descrip
   record.focus = add_curve(arrays, view.focus);
   record.aspect = view.aspect;
   record.lens_radius = view.lens_radius;
+}
+
+void add_materials(SceneArrays<GrowingArray>& arrays, const SceneDescription& description) {
+  for (const MaterialDescription& m : description.materials) {
+    add_spectra(arrays, m.spectra, arrays.materials.size());
+    arrays.materials.push_back(m);
+  }
+  for (const SpectrumDescription& s : description.spectra) add_spectra(arrays, std::span(&s, 1), s.index);
 }
 
 /// The parts of a scene as they are made.
@@ -43,6 +52,7 @@ class PartCompiler {
     for (uint32_t object = 0; object < description_.objects.size(); ++object)
       if (!is_added[object]) add(object, std::span(&object, 1));
     if (!arrays_.triangle_uvs.empty()) arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size());
+    if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size());
   }
 
   const Luminaires& luminaires() const { return luminaires_; }
@@ -61,9 +71,10 @@ class PartCompiler {
     for (const uint32_t object : objects)
       for (const PrimitiveDescription& p : description_.objects[object].primitives)
         shapes_.add(primitives, p);
-    if (arrays_.triangle_shading.size() > limits::kPrimitives)
+    if (arrays_.triangle_shading.size() > limits::kPrimitives ||
+        arrays_.face_corners.size() > limits::kFaceCorners)
       throw InputError(description_.source(description_.objects[owner].place),
-                       "the scene has too many triangles");
+                       "the scene has too many triangles or corners of faces");
     if (primitives.ids.empty()) return;
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(build_part(arrays_, primitives, options_));
@@ -87,15 +98,16 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   arrays.header[0].background = description.background;
   arrays.header[0].ambient = description.ambient;
   add_view(arrays, description);
-  for (const MaterialDescription& m : description.materials) arrays.materials.push_back(m);
+  add_materials(arrays, description);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
   add_listed_lights(arrays, description);
   PartCompiler parts(arrays, description, options);
   parts.add_all();
-  ObjectTree(arrays, description, parts.part_of(), options.stop).expand();
+  LightPlaces places;
+  places.in_objects = ObjectTree(arrays, description, parts.part_of(), options.stop).expand();
   build_object_part(arrays, description, options.stop);
-  const std::vector<Place> luminaire_places =
-      add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
+  add_environment(arrays, description);
+  places.luminaires = add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
   weigh_lights(arrays);
 
   CompiledScene result;
@@ -103,7 +115,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.scene = decode_scene(result.block.bytes());
   result.notes = description.notes;
   parts.add_notes(result.notes);
-  add_notes_of_darkness(description, result.scene, luminaire_places, result.notes);
+  add_notes_of_darkness(description, result.scene, places, result.notes);
   return result;
 }
 

@@ -111,19 +111,25 @@ std::vector<HalfSpace> seen_by(const Camera& camera, int width_px, int height_px
   return region;
 }
 
+/// Of all that is there at the first frame.
+Box bounds_of_visible(const Scene& scene) {
+  Box bounds;
+  for (const InstancePose& pose : scene.poses)
+    if (!pose.is_hidden) bounds.grow(pose.bounds);
+  return bounds;
+}
+
 /// Luminous triangles and polygons that shine away from all there is.
 void note_turned_lamps(const SceneDescription& description, const Scene& scene, std::span<const Place> places,
                        Notes& notes) {
   const std::span<const Light> lamps = scene.lights.subspan(scene.head().first_luminaire);
   const double frame = description.frames ? (*description.frames)[0] : 0;
   const Vec3 viewer(scene.eval(scene.head().view.location, frame));
-  Box bounds;
-  for (const InstancePose& pose : scene.poses) bounds.grow(pose.bounds);
-  const double hair = 1e-6 * bounds.magnitude();
+  const double hair = 1e-6 * bounds_of_visible(scene).magnitude();
   size_t patience = kPatience;
   std::vector<bool> is_turned(lamps.size());
   for (size_t i = 0; i < lamps.size() && patience > 0; ++i)
-    is_turned[i] = lamps[i].triangle_count > 0 &&
+    is_turned[i] = lamps[i].triangle_count > 0 && !scene.poses[lamps[i].instance].is_hidden &&
                    !shines_at_something(scene, lamp_in_world(scene, lamps[i]), hair, viewer, patience);
   if (std::find(is_turned.begin(), is_turned.end(), true) == is_turned.end()) return;
   Bodies bodies(scene, lamps);
@@ -148,37 +154,101 @@ void note_turned_lamps(const SceneDescription& description, const Scene& scene, 
                   is_inward ? "leave out" : "write"));
 }
 
-/// Spots in whose cones nothing lies.
-void note_turned_spots(const SceneDescription& description, const Scene& scene, Notes& notes) {
+/// True if nothing lies in the cone of a spot.
+bool shines_past_everything(const Scene& scene, const Light& light, size_t& patience) {
+  if (light.kind != LightKind::spot || !(light.cosine_none > 0)) return false;
+  // A pyramid about the cone that it lights.
+  const double sine = std::sqrt(std::max(0.0, 1 - light.cosine_none * light.cosine_none));
+  const double slack = 1e-9 * max_magnitude(light.position);
+  std::vector<HalfSpace> cone;
+  for (int side = 0; side < 8; ++side) {
+    const double phi = side * std::numbers::pi / 4;
+    const Vec3 outwards = Frame(light.direction).to_world({portable_cos(phi), portable_sin(phi), 0});
+    const Vec3 n = sine * light.direction - light.cosine_none * outwards;
+    cone.push_back({n, glm::dot(n, light.position) - slack});
+  }
+  return find_in_region(scene, cone, patience) == Presence::none;
+}
+
+void note_turned_spots(const SceneDescription& description, const Scene& scene,
+                       std::span<const Place> places_in_objects, Notes& notes) {
+  if (scene.instances.empty()) return;
+  const bool changes =
+      !scene.moving_instances.empty() || !scene.moving_lights.empty() || has_changing_links(scene);
+  const char* when = changes ? " at the first frame" : "";
+  const char* remedy = "check its `position` and `direction`";
+  const size_t listed = description.lights.size();
   size_t patience = kPatience;
-  for (size_t i = 0; i < scene.lights.size(); ++i) {
-    const Light& light = scene.lights[i];
-    if (light.kind != LightKind::spot || !(light.cosine_none > 0)) continue;
-    // A pyramid about the cone that it lights.
-    const double sine = std::sqrt(std::max(0.0, 1 - light.cosine_none * light.cosine_none));
-    const double slack = 1e-9 * max_magnitude(light.position);
-    std::vector<HalfSpace> cone;
-    for (int side = 0; side < 8; ++side) {
-      const double phi = side * std::numbers::pi / 4;
-      const Vec3 outwards = Frame(light.direction).to_world({portable_cos(phi), portable_sin(phi), 0});
-      const Vec3 n = sine * light.direction - light.cosine_none * outwards;
-      cone.push_back({n, glm::dot(n, light.position) - slack});
-    }
-    if (find_in_region(scene, cone, patience) == Presence::none && !scene.instances.empty())
+  for (size_t i = 0; i < listed; ++i)
+    if (shines_past_everything(scene, scene.lights[i], patience))
       notes.add(
           description.source(),
-          fmt::format("light {} of `lights`, a spot, shines past everything{}; check its `position` and "
-                      "`direction`",
-                      i + 1, !scene.moving_instances.empty() ? " at the first frame" : ""));
+          fmt::format("light {} of `lights`, a spot, shines past everything{}; {}", i + 1, when, remedy));
+  const double frame = description.frames ? (*description.frames)[0] : 0;
+  const std::vector<char> visible = visible_nodes(scene, frame);
+  std::map<std::pair<int, int>, std::pair<Place, size_t>> turned;  // by line and column: copies are told once
+  for (size_t i = 0; i < places_in_objects.size(); ++i) {
+    const Light& light = scene.lights[listed + i];
+    if (!visible[light.object_node] || !shines_past_everything(scene, light, patience)) continue;
+    const Place& place = places_in_objects[i];
+    auto& [first, count] = turned[{place.line, place.column}];
+    first = place;
+    ++count;
   }
+  for (const auto& [_, found] : turned)
+    notes.add(
+        description.source(found.first),
+        fmt::format("the spot shines past everything{}{}; {}", when,
+                    found.second > 1 ? fmt::format(" ({} copies of it do)", found.second) : "", remedy));
+}
+
+/// Those of what stands anywhere in some frame.
+std::vector<bool> materials_in_use(const Scene& scene) {
+  std::vector<bool> is_placed(scene.parts.size()), is_used(scene.materials.size());
+  for (const Instance& instance : scene.instances) is_placed[instance.part] = true;
+  const auto use = [&](PrimitiveId id) {
+    if (id == kNoPrimitive) return;
+    switch (id.kind()) {
+      case PrimitiveKind::triangle:
+        is_used[scene.triangle_shading[id.index()].material] = true;
+        return;
+      case PrimitiveKind::sphere:
+        is_used[scene.spheres[id.index()].material] = true;
+        return;
+      case PrimitiveKind::polygon:
+        is_used[scene.polygons[id.index()].material] = true;
+        return;
+      case PrimitiveKind::quadric:
+        is_used[scene.quadrics[id.index()].material] = true;
+        return;
+      case PrimitiveKind::face:
+        is_used[scene.mesh_faces[id.index()].material] = true;
+        return;
+    }
+  };
+  for (size_t i = 0; i < scene.parts.size(); ++i) {
+    if (!is_placed[i]) continue;
+    const Part& part = scene.parts[i];
+    for (const TriangleBlock& block :
+         scene.triangle_blocks.subspan(part.first_triangle_block, part.triangle_block_count))
+      for (const PrimitiveId id : block.primitives) use(id);
+    for (const SphereBlock& block :
+         scene.sphere_blocks.subspan(part.first_sphere_block, part.sphere_block_count))
+      for (const uint32_t sphere : block.spheres)
+        if (sphere != kNone) use(make_primitive_id(PrimitiveKind::sphere, sphere));
+    for (const PrimitiveId id :
+         scene.leaf_primitives.subspan(part.first_leaf_primitive, part.leaf_primitive_count))
+      use(id);
+  }
+  return is_used;
 }
 
 }  // namespace
 
-void add_notes_of_darkness(const SceneDescription& description, const Scene& scene,
-                           std::span<const Place> luminaire_places, Notes& notes) {
-  note_turned_lamps(description, scene, luminaire_places, notes);
-  note_turned_spots(description, scene, notes);
+void add_notes_of_darkness(const SceneDescription& description, const Scene& scene, const LightPlaces& places,
+                           Notes& notes) {
+  note_turned_lamps(description, scene, places.luminaires, notes);
+  note_turned_spots(description, scene, places.in_objects, notes);
   if (!scene.instances.empty() && is_dark(scene, {}))
     notes.add(description.source(),
               "nothing lights the scene, so pictures of it are black: it has no lights, nothing "
@@ -187,17 +257,16 @@ void add_notes_of_darkness(const SceneDescription& description, const Scene& sce
 }
 
 bool is_dark(const Scene& scene, const RenderSettings& settings) {
-  std::vector<bool> is_used(scene.materials.size());
-  for (const TriangleShading& t : scene.triangle_shading) is_used[t.material] = true;
-  for (const SphereRecord& s : scene.spheres) is_used[s.material] = true;
-  for (const Polygon& p : scene.polygons) is_used[p.material] = true;
-  for (const Quadric& q : scene.quadrics) is_used[q.material] = true;
+  std::vector<bool> is_used = materials_in_use(scene);
+  for (size_t i = is_used.size(); i-- > 0;)
+    if (is_used[i] && scene.materials[i].kind == MaterialKind::mix)
+      for (const uint32_t part : scene.materials[i].parts) is_used[part] = true;
   const SceneHeader& head = scene.head();
   if (head.background != Color(0)) return false;  // of an environment, too
   for (const Light& light : scene.lights)
     if (light.kind < LightKind::environment && light.color != Color(0)) return false;
   for (size_t i = 0; i < is_used.size(); ++i) {
-    if (!is_used[i]) continue;
+    if (!is_used[i] || scene.materials[i].kind == MaterialKind::mix) continue;
     const Material& m = scene.materials[i];
     if (is_luminaire(m)) return false;
     const bool has_ambient = settings.lighting == LightingModel::path ? false
@@ -220,8 +289,8 @@ std::optional<std::string> nothing_in_view(const Scene& scene, double frame, int
     case Presence::certain:
       return std::nullopt;
     case Presence::none: {
-      Box box;
-      for (const InstancePose& pose : scene.poses) box.grow(pose.bounds);
+      const Box box = bounds_of_visible(scene);
+      if (box.is_empty()) return "the camera sees nothing: no object is visible";
       return fmt::format(
           "the camera sees nothing: no object lies in its view; the middle of the scene is ({:.4g}, {:.4g}, "
           "{:.4g}), and its size {:.4g}",

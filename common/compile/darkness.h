@@ -8,10 +8,15 @@
 
 namespace rayfarm {
 
-/// Notes lamps and spots that shine at nothing, and a scene that nothing lights; `luminaire_places` are in
-/// the order of the scene's lights.
-void add_notes_of_darkness(const SceneDescription& description, const Scene& scene,
-                           std::span<const Place> luminaire_places, Notes& notes);
+/// Where sources come from that the object tree holds, in the order of the scene's lights.
+struct LightPlaces {
+  std::vector<Place> in_objects;  ///< those of lights that stand after the listed ones
+  std::vector<Place> luminaires;
+};
+
+/// Notes lamps and spots that shine at nothing, and a scene that nothing lights.
+void add_notes_of_darkness(const SceneDescription& description, const Scene& scene, const LightPlaces& places,
+                           Notes& notes);
 
 /// True if nothing that the lighting model takes light from shines: pictures are black, whatever they show.
 bool is_dark(const Scene& scene, const RenderSettings& settings);

@@ -3,6 +3,7 @@
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
 #include "common/lighting/environment.h"
+#include "common/lighting/frame_lights.h"
 #include "common/lighting/light_choice.h"
 
 namespace rayfarm {
@@ -15,11 +16,14 @@ void add_listed_lights(SceneArrays<GrowingArray>& arrays, const SceneDescription
     arrays.goniometric_values.insert(arrays.goniometric_values.end(), diagram.values.begin(),
                                      diagram.values.end());
   }
+}
+
+void add_environment(SceneArrays<GrowingArray>& arrays, const SceneDescription& description) {
   if (!description.environment) return;
   SceneHeader& head = arrays.header[0];
   head.environment = add_texture(arrays, *description.environment);
   head.environment_turn = description.environment_turn;
-  arrays.lights.push_back({.kind = LightKind::environment});
+  arrays.lights.emplace_back().kind = LightKind::environment;
 }
 
 std::vector<Place> add_luminaires(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
@@ -36,11 +40,13 @@ std::vector<Place> add_luminaires(SceneArrays<GrowingArray>& arrays, const Scene
             fmt::format("the scene has more than {} luminous primitives, each of which is a light; make "
                         "lamps of fewer (a sphere, a large polygon), or use fewer copies of them",
                         limits::kLuminaires));
-      Light light{.kind = LightKind::luminaire, .instance = i, .primitive = luminous.id};
+      Light& light = arrays.lights.emplace_back();
+      light.kind = LightKind::luminaire;
+      light.instance = i;
+      light.primitive = luminous.id;
       light.first_triangle = luminous.first_triangle;
       light.triangle_count = luminous.triangle_count;
       light.material = luminous.material;
-      arrays.lights.push_back(light);
       places.push_back(luminous.place);
     }
   return places;
@@ -50,11 +56,10 @@ void weigh_lights(SceneArrays<GrowingArray>& arrays) {
   Box bounds;
   for (const InstancePose& pose : arrays.poses) bounds.grow(pose.bounds);
   SceneHeader& head = arrays.header[0];
-  const double radius = bounds.is_empty() ? 1 : std::max(1e-150, 0.5 * glm::length(bounds.extent()));
-  head.far_away = 4 * (radius + bounds.magnitude());
+  head.far_away = distance_out_of(bounds);
   if (head.environment != kNone)
     arrays.environment_shares = make_environment_shares(arrays.textures[head.environment], arrays.texels);
-  arrays.light_shares = make_light_shares(view_of(arrays), radius);
+  arrays.light_shares = make_light_shares(view_of(arrays), light_radius(bounds));
 }
 
 }  // namespace rayfarm

@@ -6,8 +6,11 @@
 
 namespace rayfarm {
 
-/// The listed lights with their diagrams, and the environment.
+/// The listed lights, and the diagrams of all.
 void add_listed_lights(SceneArrays<GrowingArray>& arrays, const SceneDescription& description);
+
+/// The image that lights the scene from all around, if there is one, behind all lights so far.
+void add_environment(SceneArrays<GrowingArray>& arrays, const SceneDescription& description);
 
 /// A light for each luminous primitive (by part, `luminous_of`) of each instance; returns where each comes
 /// from. Throws InputError if there are too many.

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "common/compile/spectra.h"
 #include "common/errors/input_error.h"
 #include "common/hierarchy/frame_state.h"
 
@@ -43,33 +44,61 @@ std::vector<uint32_t> fixed_objects(const SceneDescription& description) {
   std::vector<uint32_t> fixed{description.root};
   for (size_t i = 0; i < fixed.size(); ++i)  // grows while it is read
     for (const ChildDescription& child : description.objects[fixed[i]].children)
-      if (child.transform.empty() && uses[child.object] == 1) fixed.push_back(child.object);
+      if (child.transform.empty() && !child.visible && uses[child.object] == 1) fixed.push_back(child.object);
   return fixed;
 }
 
-void ObjectTree::expand(uint32_t object, uint32_t parent, std::span<const TransformStep> transform,
-                        bool moves) {
+void ObjectTree::expand(const ChildDescription& child, uint32_t parent, Changes changes) {
   ObjectNode node;
   node.parent = parent;
   node.first_step = static_cast<uint32_t>(arrays_.steps.size());
-  node.step_count = static_cast<uint32_t>(transform.size());
-  for (const TransformStep& step : transform) {
+  node.step_count = static_cast<uint32_t>(child.transform.size());
+  for (const TransformStep& step : child.transform) {
     arrays_.steps.push_back({static_cast<uint32_t>(step.kind), curve_of(step.curve), step.axis, step.matrix});
-    moves = moves || step.curve.is_animated();
+    changes.moves = changes.moves || step.curve.is_animated();
   }
+  if (child.visible) {
+    const auto shows = [](const Vec4& value) { return value.x != 0; };
+    const std::vector<Vec4>& values = child.visible->values;
+    if (std::none_of(values.begin(), values.end(), shows)) return;
+    if (!std::all_of(values.begin(), values.end(), shows)) {
+      node.visible = curve_of(*child.visible);
+      changes.comes_and_goes = true;
+    }
+  }
+  const ObjectDescription& object = description_.objects[child.object];
   const auto index = static_cast<uint32_t>(arrays_.object_nodes.size());
   arrays_.object_nodes.push_back(node);
-  if (part_of_[object] != kNone) {
-    Instance instance{index, part_of_[object]};
-    if (moves) {
+  if (part_of_[child.object] != kNone) {
+    Instance instance{index, part_of_[child.object]};
+    if (changes.moves || changes.comes_and_goes) {
       instance.moving = static_cast<uint32_t>(arrays_.moving_instances.size());
       arrays_.moving_instances.push_back(static_cast<uint32_t>(arrays_.instances.size()));
     }
     arrays_.instances.push_back(instance);
   }
   if (index % kObjectsPerLook == 0) throw_if_stopped(stop_);
-  for (const ChildDescription& child : description_.objects[object].children)
-    expand(child.object, index, child.transform, moves);
+  for (const LightDescription& light : object.lights) add_light(light, index, changes.moves);
+  for (const ChildDescription& grandchild : object.children) expand(grandchild, index, changes);
+}
+
+void ObjectTree::add_light(const LightDescription& light, uint32_t node, bool moves) {
+  if (arrays_.lights.size() >= limits::kLights)
+    throw InputError(
+        description_.source(light.place),
+        fmt::format(
+            "the scene has more than {} lights, those of each copy of an object counted; use fewer copies, "
+            "or make lamps of luminous spheres and polygons",
+            limits::kLights));
+  const auto index = static_cast<uint32_t>(arrays_.lights.size());
+  add_spectra(arrays_, light.spectra, index);
+  arrays_.lights.push_back(light.light);
+  arrays_.lights.back().object_node = node;
+  if (moves) {
+    arrays_.lights.back().moving = static_cast<uint32_t>(arrays_.moving_lights.size());
+    arrays_.moving_lights.push_back({light.light, node, index});
+  }
+  light_places_.push_back(light.place);
 }
 
 /// Shared objects repeat their curves in every copy; each is stored once.
@@ -86,9 +115,14 @@ void build_object_part(SceneArrays<GrowingArray>& arrays, const SceneDescription
   try {
     const Scene scene = view_of(arrays);
     const std::vector<Affine> world = world_transforms(scene, frame);
+    const std::vector<char> visible = visible_nodes(scene, frame);
+    for (Light& light : arrays.lights)
+      if (light.object_node != kNone)
+        static_cast<LightPlace&>(light) = make_light_place(light, world[light.object_node]);
     for (uint32_t i = 0; i < arrays.instances.size(); ++i) {
       const Instance& instance = arrays.instances[i];
       arrays.poses.push_back(make_instance_pose(scene, instance, world[instance.object_node]));
+      if (!visible[instance.object_node]) arrays.poses.back().is_hidden = 1;
       if (instance.moving == kNone) fixed.push_back(i);
     }
   } catch (const std::domain_error& e) {

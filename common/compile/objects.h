@@ -16,18 +16,27 @@ uint32_t add_curve(SceneArrays<GrowingArray>& arrays, const Curve& curve);
 /// primitives never move against each other, so they are one part.
 std::vector<uint32_t> fixed_objects(const SceneDescription& description);
 
-/// Expands the graph of objects to a tree (thesis 4.3.2), with an instance of each object's part.
+/// Expands the graph of objects to a tree (thesis 4.3.2), with an instance of each object's part and its
+/// lights. What is visible in no frame is left out.
 class ObjectTree {
  public:
   /// `part_of`: of each object, kNone if it has no primitives. All must outlive the tree.
   ObjectTree(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
              std::span<const uint32_t> part_of, std::stop_token stop)
       : arrays_(arrays), description_(description), part_of_(part_of), stop_(std::move(stop)) {}
-  /// Throws Stopped.
-  void expand() { expand(description_.root, kNone, {}, false); }
+  /// Returns where each light comes from that it adds. Throws Stopped, and InputError if there are too many.
+  std::vector<Place> expand() {
+    expand({description_.root, {}, {}, {}}, kNone, {});
+    return std::move(light_places_);
+  }
 
  private:
-  void expand(uint32_t object, uint32_t parent, std::span<const TransformStep> transform, bool moves);
+  /// What a frame changes on the way from the root to a node.
+  struct Changes {
+    bool moves = false, comes_and_goes = false;
+  };
+  void expand(const ChildDescription& child, uint32_t parent, Changes changes);
+  void add_light(const LightDescription& light, uint32_t node, bool moves);
   uint32_t curve_of(const Curve& curve);
 
   SceneArrays<GrowingArray>& arrays_;
@@ -35,10 +44,12 @@ class ObjectTree {
   std::span<const uint32_t> part_of_;
   std::stop_token stop_;
   std::map<const Curve*, uint32_t> curve_ids_;
+  std::vector<Place> light_places_;
 };
 
-/// Poses of all instances at the scene's first frame, and the boxes over them: over those that never move,
-/// and over those that do, which are refitted for each frame. Throws InputError if there is no such pose.
+/// Places of all lights and poses of all instances at the scene's first frame, and the boxes over them: over
+/// those that never change, and over those that do, which are refitted for each frame. Throws InputError if
+/// there is no such pose.
 void build_object_part(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
                        const std::stop_token& stop);
 

@@ -23,6 +23,7 @@ class PartSource : public PrimitiveSource {
     const PrimitiveId id = part_.ids[primitive];
     switch (id.kind()) {
       case PrimitiveKind::triangle:
+      case PrimitiveKind::face:
         break;
       case PrimitiveKind::sphere:
         return sphere_box(arrays_.spheres[id.index()]);
@@ -42,6 +43,7 @@ class PartSource : public PrimitiveSource {
     const PrimitiveId id = part_.ids[primitive];
     switch (id.kind()) {
       case PrimitiveKind::triangle:
+      case PrimitiveKind::face:
         break;
       case PrimitiveKind::sphere: {
         const SphereRecord& s = arrays_.spheres[id.index()];
@@ -93,8 +95,9 @@ Part build_part(SceneArrays<GrowingArray>& arrays, const PartPrimitives& primiti
   part.sphere_block_count = static_cast<uint32_t>(arrays.sphere_blocks.size()) - part.first_sphere_block;
   part.leaf_primitive_count =
       static_cast<uint32_t>(arrays.leaf_primitives.size()) - part.first_leaf_primitive;
-  const std::array<uint32_t*, 4> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
-                                        &part.quadric_count};  // in the order of PrimitiveKind
+  const std::array<uint32_t*, 5> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
+                                        &part.quadric_count,
+                                        &part.polygon_count};  // in the order of PrimitiveKind
   PrimitiveId previous = kNoPrimitive;
   for (uint32_t i = 0; i < primitives.ids.size(); ++i) {
     part.bounds.grow(source.bounds(i));

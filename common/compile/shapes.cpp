@@ -8,9 +8,6 @@
 namespace rayfarm {
 namespace {
 
-/// How often long loops ask whether to stop.
-constexpr size_t kTrianglesPerLook = 1 << 14;
-
 /// The triangles of a small convex polygon, which are tested eight at a time; empty if it has to be tested as
 /// it is. Triangles are stored in float: a polygon whose corners that would move by a visible part of its
 /// size stays whole.
@@ -38,25 +35,31 @@ std::vector<TriangleVertices> triangle_fan(std::span<const Vec3> points, const V
 
 }  // namespace
 
+void ShapeCompiler::note_shading(uint32_t smoothing, uint32_t material, const Place& place) {
+  if (smoothing == static_cast<uint32_t>(Smoothing::gouraud) && arrays_.materials[material].bump != kNone)
+    count(bumped_, place);
+}
+
 bool ShapeCompiler::is_luminous(uint32_t material) const {
   return is_luminaire(arrays_.materials[material]);
 }
 
-void ShapeCompiler::drop(const Place& place) {
-  if (dropped_.count++ == 0) dropped_.first = place;
+void ShapeCompiler::count(Others& others, const Place& place) {
+  if (others.count++ == 0) others.first = place;
 }
 
 void ShapeCompiler::add_triangle(PartPrimitives& part, const TriangleVertices& v,
                                  const TriangleShading& shading, const Place& place) {
   const Vec3 a(v[0]), b(v[1]), c(v[2]);
   if (max_magnitude(glm::cross(b - a, c - a)) == 0) {
-    drop(place);
+    count(dropped_, place);
     return;
   }
   const PrimitiveId id =
       make_primitive_id(PrimitiveKind::triangle, static_cast<uint32_t>(arrays_.triangle_shading.size()));
   part.add_triangle(id, v);
   arrays_.triangle_shading.push_back(shading);
+  note_shading(shading.smoothing, shading.material, place);
   if (is_luminous(shading.material))
     luminaires_.add_triangles({id, place, shading.material}, std::span(&v, 1));
 }
@@ -118,7 +121,7 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
   Polygon polygon;
   polygon.normal = normalized(newell_normal(shape.points));
   if (max_magnitude(polygon.normal) == 0) {
-    drop(p.place);
+    count(dropped_, p.place);
     return;
   }
   Vec3 center(0);
@@ -138,6 +141,7 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
   const PrimitiveId id =
       make_primitive_id(PrimitiveKind::polygon, static_cast<uint32_t>(arrays_.polygons.size()));
   arrays_.polygons.push_back(polygon);
+  note_shading(smoothing, p.material, p.place);
   const std::vector<TriangleVertices> fan = triangle_fan(shape.points, polygon.normal);
   for (const TriangleVertices& triangle : fan) part.add_triangle(id, triangle);
   if (fan.empty()) part.add(id);
@@ -149,36 +153,23 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
     luminaires_.add_triangles(luminous, fan);
 }
 
-void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh) {
-  const auto first_normal = static_cast<uint32_t>(arrays_.normals.size());
-  for (const glm::vec3& n : mesh.normals) arrays_.normals.emplace_back(normalized(Vec3(n)));
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (i % kTrianglesPerLook == 0) throw_if_stopped(stop_);
-    const glm::uvec3& t = mesh.triangles[i];
-    TriangleShading shading{mesh.materials.empty() ? p.material : mesh.materials[i],
-                            static_cast<uint32_t>(Smoothing::flat),
-                            {kNone, kNone, kNone}};
-    if (mesh.smoothing != Smoothing::flat && !mesh.triangle_normals.empty() &&
-        mesh.triangle_normals[i].x != kNone) {
-      shading.smoothing = static_cast<uint32_t>(mesh.smoothing);
-      for (size_t k = 0; k < 3; ++k)
-        shading.normals[k] = first_normal + mesh.triangle_normals[i][static_cast<int>(k)];
-    }
-    const size_t before = arrays_.triangle_shading.size();
-    add_triangle(part, {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading, p.place);
-    if (mesh.triangle_uvs.empty() || arrays_.triangle_shading.size() == before) continue;
-    arrays_.triangle_uvs.resize(3 * before, glm::vec2(0));  // of meshes before that have none
-    for (int k = 0; k < 3; ++k) arrays_.triangle_uvs.push_back(mesh.uvs[mesh.triangle_uvs[i][k]]);
-  }
-}
-
 void ShapeCompiler::add_notes(Notes& notes) const {
-  if (dropped_.count == 0) return;
-  const bool is_one = dropped_.count == 1;
-  notes.add(description_.source(dropped_.first),
-            fmt::format("{} polygon{} or triangle{} without area, or whose parts cancel each other, "
-                        "{} left out; cut what crosses itself into several",
-                        dropped_.count, is_one ? "" : "s", is_one ? "" : "s", is_one ? "is" : "are"));
+  if (dropped_.count > 0) {
+    const bool is_one = dropped_.count == 1;
+    notes.add(description_.source(dropped_.first),
+              fmt::format("{} polygon{} or triangle{} without area, or whose parts cancel each other, "
+                          "{} left out; cut what crosses itself into several",
+                          dropped_.count, is_one ? "" : "s", is_one ? "" : "s", is_one ? "is" : "are"));
+  }
+  if (folded_.count > 0)
+    notes.add(description_.source(folded_.first),
+              fmt::format("{} face{} of meshes {} not planar: triangles stand for {}, each shaded by itself",
+                          folded_.count, folded_.count == 1 ? "" : "s", folded_.count == 1 ? "is" : "are",
+                          folded_.count == 1 ? "it" : "them"));
+  if (bumped_.count > 0)
+    notes.add(description_.source(bumped_.first),
+              "`smooth: gouraud` takes its light from the corners, where no bump map tilts the normals: "
+              "bumps show in mirrored and refracted light alone, and in `path`; `smooth: phong` shows them");
 }
 
 }  // namespace rayfarm

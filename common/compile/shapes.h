@@ -27,22 +27,28 @@ class ShapeCompiler {
   void add(PartPrimitives& part, const PrimitiveDescription& p, const ConeShape& cone);
   void add(PartPrimitives& part, const PrimitiveDescription& p, const QuadricShape& shape);
   void add(PartPrimitives& part, const PrimitiveDescription& p, const PolygonShape& shape);
-  void add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh);
+  void add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh);  // meshes.cpp
+  void add_polygons(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh,
+                    uint32_t first_normal);
   void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading,
                     const Place& place);
   void add_quadric(PartPrimitives& part, const PrimitiveDescription& p, Quadric quadric,
                    std::span<const Vec4> planes);
   bool is_luminous(uint32_t material) const;
-  void drop(const Place& place);
 
   SceneArrays<GrowingArray>& arrays_;
   Luminaires& luminaires_;
   const SceneDescription& description_;
   std::stop_token stop_;
-  struct {
+  struct Others {
     size_t count = 0;
     Place first;
-  } dropped_;  ///< what no ray can hit
+  };
+  void note_shading(uint32_t smoothing, uint32_t material, const Place& place);
+  static void count(Others& others, const Place& place);
+  Others dropped_;  ///< what no ray can hit
+  Others folded_;   ///< faces that are not planar
+  Others bumped_;   ///< by Gouraud, with a bump map
 };
 
 }  // namespace rayfarm

@@ -16,6 +16,7 @@
 #include "common/scene/animation.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/light.h"
+#include "common/scene/spectral_color.h"
 #include "common/shapes/polygon.h"
 #include "common/textures/texture.h"
 
@@ -28,14 +29,18 @@ inline constexpr uintmax_t kYamlFileBytes = 256ull << 20;
 inline constexpr size_t kNestingDepth = 64;  ///< objects inside objects
 inline constexpr size_t kObjects = 1'000'000;
 inline constexpr size_t kPrimitives = 400'000'000;
+inline constexpr size_t kSolidFaces = 250'000;         ///< of a lathe
+inline constexpr size_t kFaceCorners = 2'000'000'000;  ///< of meshes
 inline constexpr size_t kPolygonPoints = 1'000'000;
 inline constexpr size_t kQuadricPlanes = 16;
 inline constexpr size_t kInstances = 4'000'000;  ///< the object tree, expanded
-inline constexpr size_t kLights = 10'000;
-inline constexpr size_t kLuminaires = 100'000;  ///< luminous primitives, expanded
+inline constexpr size_t kLights = 10'000;        ///< the list's, and the objects', expanded
+inline constexpr size_t kLuminaires = 100'000;   ///< luminous primitives, expanded
 inline constexpr size_t kKeys = 1'000'000;
+inline constexpr size_t kSpectrumNodes = 10'000;        ///< of one spectrum
 inline constexpr uint64_t kTexturePixels = 1ull << 28;  ///< of one image, 16384²: 2 GiB with its mip map
-inline constexpr uint64_t kTexels = 1ull << 30;         ///< of all images with their mip maps: 6 GiB
+inline constexpr uint64_t kArrayCells = 1ull << 26;     ///< of one array, 406³: 0.5 GiB with its mip map
+inline constexpr uint64_t kTexels = 1ull << 30;  ///< of all images and arrays with their mip maps: 6 GiB
 inline constexpr double kCoordinate = 1e15;
 }  // namespace limits
 
@@ -46,17 +51,25 @@ struct Place {
   int column = 0;
 };
 
+/// A colour that is given as a spectrum.
+struct SpectrumDescription {
+  SpectralField field = SpectralField::color;
+  uint32_t index = 0;  ///< of the light
+  std::vector<SpectrumNode> nodes;
+};
+
 /// Classical: I = color (ambient Ia + diffuse sum S I cos) + specular sum S I cos^shininess + reflect R +
 /// transmit T (Equations 2.4 and 2.12, with a colour for the diffuse terms).
 struct MaterialDescription : Material {
   MaterialDescription() = default;
   explicit MaterialDescription(std::string of_name) : name(std::move(of_name)) {}
   std::string name;
+  std::vector<SpectrumDescription> spectra;  ///< of its own colours
 };
 
 struct TextureDescription : Texture {
   std::string name;
-  std::vector<uint16_t> texels;  ///< of an image
+  std::vector<uint16_t> texels;  ///< of an image or array
 };
 
 struct DiagramDescription : GoniometricDiagram {
@@ -102,9 +115,18 @@ struct PolygonShape {
   std::vector<Vec3> normals;  ///< empty, or one per point
   Smoothing smoothing = Smoothing::phong;
 };
-/// Triangles over shared vertices. Positions are float, as stored in the scene block.
+/// A mesh's polygons of more than three corners, one after the other: counter-clockwise seen from outside.
+struct MeshPolygons {
+  std::vector<uint32_t> sides;      ///< of each polygon
+  std::vector<uint32_t> corners;    ///< of all: indices into positions
+  std::vector<uint32_t> normals;    ///< empty, or one per corner: indices into normals, ~0 for none
+  std::vector<uint32_t> uvs;        ///< empty, or one per corner: indices into uvs
+  std::vector<uint32_t> materials;  ///< empty, or one per polygon
+};
+/// Polygons over shared vertices. Positions are float, as stored in the scene block.
 struct MeshShape {
   std::vector<glm::vec3> positions, normals;
+  MeshPolygons polygons;
   std::vector<glm::uvec3> triangles;  ///< indices into positions
   /// Empty, or one per triangle: indices into normals, ~0 for none.
   std::vector<glm::uvec3> triangle_normals;
@@ -125,6 +147,14 @@ struct ChildDescription {
   uint32_t object = 0;
   std::vector<TransformStep> transform;  ///< the first step is applied first
   Place place;
+  std::optional<Curve> visible{};  ///< 0 in frames that are without the child; none: it is always there
+};
+
+/// A light in an object's space.
+struct LightDescription {
+  Light light;
+  Place place;
+  std::vector<SpectrumDescription> spectra{};
 };
 
 /// A node of the object tree. An object may be the child of several others, but never of itself.
@@ -133,6 +163,7 @@ struct ObjectDescription {
   std::vector<PrimitiveDescription> primitives;
   std::vector<ChildDescription> children;
   Place place;
+  std::vector<LightDescription> lights{};
 };
 
 struct SceneDescription {
@@ -142,9 +173,10 @@ struct SceneDescription {
   std::optional<TextureDescription> environment;  ///< an image of all directions, seen behind the scene
   double environment_turn = 0;                    ///< about y, in whole turns
   Color ambient{1};                               ///< Ia
-  std::vector<Light> lights;                      ///< luminaires are found by their materials
+  std::vector<Light> lights;                      ///< in the world; objects have others, and luminaires
   std::vector<DiagramDescription> diagrams;       ///< that lights name
-  std::vector<MaterialDescription> materials;
+  std::vector<SpectrumDescription> spectra;       ///< of those lights, background and ambient light
+  std::vector<MaterialDescription> materials;     ///< the parts of a mix before it
   std::vector<TextureDescription> textures;
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;

@@ -21,6 +21,36 @@ std::vector<Affine> world_transforms(const Scene& scene, double frame) {
   return world;
 }
 
+std::vector<char> visible_nodes(const Scene& scene, double frame) {
+  std::vector<char> visible(scene.object_nodes.size());
+  for (size_t i = 0; i < visible.size(); ++i) {
+    const ObjectNode& node = scene.object_nodes[i];
+    visible[i] = (node.parent == kNone || visible[node.parent]) &&
+                 (node.visible == kNone || scene.eval(node.visible, frame).x != 0);
+  }
+  return visible;
+}
+
+bool has_changing_links(const Scene& scene) {
+  return std::any_of(scene.object_nodes.begin(), scene.object_nodes.end(),
+                     [](const ObjectNode& node) { return node.visible != kNone; });
+}
+
+LightPlace make_light_place(const LightPlace& in_object, const Affine& world) {
+  LightPlace place = in_object;
+  if (world.is_identity()) return place;
+  const double determinant = glm::determinant(world.linear);
+  place.position = world.point(in_object.position);
+  place.direction = normalized(world.vector(in_object.direction));
+  const Vec3 zero = world.vector(in_object.zero);
+  place.zero = normalized(zero - glm::dot(zero, place.direction) * place.direction);
+  if (!is_finite(place.position) || !is_finite(place.direction) || !is_finite(place.zero) ||
+      !std::isfinite(determinant) || determinant == 0)
+    throw std::domain_error("a light's transform is singular or not finite");
+  if (determinant < 0) place.is_mirrored ^= 1;
+  return place;
+}
+
 InstancePose make_instance_pose(const Scene& scene, const Instance& instance, const Affine& world) {
   InstancePose pose;
   pose.world_from_object = world;
@@ -62,17 +92,27 @@ void refit(const Scene& scene, std::span<const InstancePose> moving, std::span<V
   }
 }
 
-Pose FrameState::at(double frame) {
-  if (scene_.moving_instances.empty()) return {scene_, {}, scene_.moving_nodes};
-  const std::vector<Affine> world = world_transforms(scene_, frame);
+Pose FrameState::at(double time, double frame) {
+  if (scene_.moving_instances.empty() && scene_.moving_lights.empty())
+    return {scene_, {}, scene_.moving_nodes, {}};
+  const std::vector<Affine> world = world_transforms(scene_, time);
+  const std::vector<char> visible =
+      has_changing_links(scene_) ? visible_nodes(scene_, frame) : std::vector<char>(world.size(), 1);
   moving_.clear();
   for (const uint32_t i : scene_.moving_instances) {
     const Instance& instance = scene_.instances[i];
-    moving_.push_back(make_instance_pose(scene_, instance, world[instance.object_node]));
+    if (visible[instance.object_node])
+      moving_.push_back(make_instance_pose(scene_, instance, world[instance.object_node]));
+    else
+      moving_.emplace_back().is_hidden = 1;  // its bounds are empty
   }
+  moving_lights_.clear();
+  for (const MovingLight& light : scene_.moving_lights)
+    moving_lights_.push_back(
+        visible[light.object_node] ? make_light_place(light.place, world[light.object_node]) : light.place);
   moving_nodes_.assign(scene_.moving_nodes.begin(), scene_.moving_nodes.end());
   refit(scene_, moving_, moving_nodes_);
-  return {scene_, moving_, moving_nodes_};
+  return {scene_, moving_, moving_nodes_, moving_lights_};
 }
 
 }  // namespace rayfarm

@@ -10,11 +10,13 @@ namespace rayfarm {
 /// A frame's state as it is read while rays are traced: a view.
 class Pose {
  public:
-  Pose(const Scene& scene, std::span<const InstancePose> moving, std::span<const VolumeNode> moving_nodes)
+  Pose(const Scene& scene, std::span<const InstancePose> moving, std::span<const VolumeNode> moving_nodes,
+       std::span<const LightPlace> moving_lights)
       : instances_(scene.moving_instances.empty() ? nullptr : scene.instances.data()),
         fixed_(scene.poses.data()),
         moving_(moving.data()),
-        moving_nodes_(moving_nodes.data()) {}
+        moving_nodes_(moving_nodes.data()),
+        moving_lights_(moving_lights.data()) {}
 
   const InstancePose& operator[](uint32_t instance) const {
     if (!instances_) return fixed_[instance];
@@ -23,35 +25,54 @@ class Pose {
   }
   /// The boxes over the instances that move.
   const VolumeNode* moving_nodes() const { return moving_nodes_; }
+  /// Where a light of the scene stands in the world.
+  const LightPlace& operator[](const Light& light) const {
+    return light.moving == kNone ? light : moving_lights_[light.moving];
+  }
 
  private:
   const Instance* instances_;  ///< null if none moves
   const InstancePose *fixed_, *moving_;
   const VolumeNode* moving_nodes_;
+  const LightPlace* moving_lights_;
 };
 
 /// The world transform of every object node at `frame`, in the tree's order.
 std::vector<Affine> world_transforms(const Scene& scene, double frame);
 
+/// Of every object node, whether the links to it are there in `frame` (thesis 4.2.1.1).
+std::vector<char> visible_nodes(const Scene& scene, double frame);
+
+/// True if some object or light is not there in every frame.
+bool has_changing_links(const Scene& scene);
+
+/// Where a light stands whose object node has this transform. Throws std::domain_error if the transform is
+/// singular or not finite.
+LightPlace make_light_place(const LightPlace& in_object, const Affine& world);
+
 /// Where an instance stands whose object node has this transform. Throws std::domain_error if the transform
 /// is singular or not finite.
 InstancePose make_instance_pose(const Scene& scene, const Instance& instance, const Affine& world);
 
-/// Sets the boxes of `nodes`, bottom up, to the moving instances' bounds.
+/// Sets the boxes of `nodes`, bottom up, to the moving instances' bounds; over hidden ones alone to boxes
+/// that let no ray in.
 void refit(const Scene& scene, std::span<const InstancePose> moving, std::span<VolumeNode> nodes);
 
 /// Owns the state of one moment: of what moves alone. All else is traced where it lies in the scene block.
 class FrameState {
  public:
   explicit FrameState(const Scene& scene) : scene_(scene) {}
-  /// The state at `frame`, valid until the next call. Throws std::domain_error if an object's transform is
-  /// singular or not finite there.
-  Pose at(double frame);
+  /// The state at `time`, valid until the next call. Objects move while the shutter is open, but come and go
+  /// between frames (Figure 4.4): they are there by the number of the frame. Throws std::domain_error if the
+  /// transform of what is there is singular or not finite.
+  Pose at(double time, double frame);
+  Pose at(double frame) { return at(frame, frame); }
 
  private:
   Scene scene_;
   std::vector<InstancePose> moving_;
   std::vector<VolumeNode> moving_nodes_;
+  std::vector<LightPlace> moving_lights_;
 };
 
 }  // namespace rayfarm

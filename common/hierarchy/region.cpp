@@ -90,6 +90,7 @@ class Search {
   }
 
   void enter(const Instance& instance, const InstancePose& pose) {
+    if (pose.is_hidden) return;
     const Part& part = scene_.parts[instance.part];
     local_ = world_;
     if (!pose.is_identity)

@@ -55,6 +55,7 @@ Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ra
   const PreparedRay world(ray);
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const InstancePose& place = pose[i];
+    if (place.is_hidden) continue;
     const PreparedRay local = place.is_identity ? world : PreparedRay(world, place.object_from_world);
     SingleWalker walker(local, search);
     walk_list(scene.parts[scene.instances[i].part], i, walker);

@@ -251,6 +251,7 @@ HWY_NOINLINE bool walk_instances(const Scene& scene, const Pose& pose, const Chi
                                  const PreparedRay& world, Search& search) {
   for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
     const InstancePose& place = pose[instance];
+    if (place.is_hidden) continue;
     if (place.is_identity) {
       SingleWalker walker(world, search);
       if (walk_part(scene, instance, walker)) return true;
@@ -296,6 +297,7 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
                                  const Bundle<Search>& world, const Packet& world_packet, uint32_t rays) {
   for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
     const InstancePose& place = pose[instance];
+    if (place.is_hidden) continue;
     if (place.is_identity) {
       PacketWalker<Search> walker(world_packet, world);
       walk_part(scene, instance, walker);

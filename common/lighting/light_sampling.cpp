@@ -12,6 +12,16 @@ namespace {
 
 using std::numbers::pi;
 
+/// What a diagram that stands at `place` says of a direction (unit).
+double intensity_along(const Scene& scene, uint32_t diagram, const LightPlace& place, Vec3 direction) {
+  if (place.is_mirrored) {
+    const Vec3 across = glm::cross(place.direction, place.zero);
+    direction -= 2 * glm::dot(direction, across) * across;
+  }
+  return eval_intensity(scene.goniometric_diagrams[diagram], scene.goniometric_values, place.direction,
+                        place.zero, direction);
+}
+
 /// A point on a primitive, in the world.
 struct PrimitivePoint {
   Vec3 p{0}, normal{0};  ///< unit, outward
@@ -117,7 +127,9 @@ LightSample sample_luminaire(const Scene& scene, const Pose& pose, const Light& 
   if (!(glm::dot(point.normal, result.to_light) < 0) || !(result.pdf > 0)) return {};
   const double magnitude = std::max({point.magnitude, max_magnitude(point.p), max_magnitude(p)});
   result.target = point.p + rounding_bound(magnitude) * point.normal;
-  result.incident = emitted(material, {-result.to_light, point.normal, !material.is_inward, 1}) / result.pdf;
+  result.incident = emission_at(scene, pose, light.instance, material,
+                                {-result.to_light, point.normal, !material.is_inward, 1}) /
+                    result.pdf;
   return result;
 }
 
@@ -132,28 +144,40 @@ LightSample sample_light(const Scene& scene, const Pose& pose, const Light& ligh
     return result;
   }
   LightSample result;
+  const LightPlace& place = pose[light];
   if (light.kind == LightKind::distant) {
-    result.to_light = -light.direction;
+    result.to_light = -place.direction;
     result.target = p + scene.head().far_away * result.to_light;
     result.incident = pi * light.color;
     return result;
   }
-  const Vec3 to_light = light.position - p;
+  const Vec3 to_light = place.position - p;
   result.to_light = normalized(to_light);
-  result.target = light.position;
+  result.target = place.position;
   result.incident =
       light.kind == LightKind::point ? pi * light.color : light.color / glm::dot(to_light, to_light);
   if (light.diagram != kNone)
-    result.incident *= eval_intensity(scene.goniometric_diagrams[light.diagram], scene.goniometric_values,
-                                      light.direction, light.zero, -result.to_light);
+    result.incident *= intensity_along(scene, light.diagram, place, -result.to_light);
   if (light.kind == LightKind::spot) {
-    const double cosine = -glm::dot(light.direction, result.to_light);
+    const double cosine = -glm::dot(place.direction, result.to_light);
     if (light.cosine_full > light.cosine_none)
       result.incident *= smooth_step(light.cosine_none, light.cosine_full, cosine);
     else if (cosine < light.cosine_full)
       result.incident = Color(0);
   }
   return result;
+}
+
+Color emission_at(const Scene& scene, const Pose& pose, uint32_t instance, const Material& material,
+                  const Interaction& at) {
+  const Color emission = emitted(material, at);
+  if (material.diagram == kNone) return emission;
+  const InstancePose& place = pose[instance];
+  const Vec3 direction =
+      place.is_identity ? at.to_viewer : normalized(place.object_from_world.vector(at.to_viewer));
+  return eval_intensity(scene.goniometric_diagrams[material.diagram], scene.goniometric_values,
+                        material.diagram_axis, material.diagram_zero, direction) *
+         emission;
 }
 
 double light_pdf(const Scene& scene, const Pose& pose, const Light& light, const Vec3& origin,

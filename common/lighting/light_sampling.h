@@ -16,6 +16,10 @@ struct LightSample {
 LightSample sample_light(const Scene& scene, const Pose& pose, const Light& light, const Vec3& p,
                          const Vec2& u);
 
+/// Radiance that a material of `instance` emits to the viewer.
+Color emission_at(const Scene& scene, const Pose& pose, uint32_t instance, const Material& material,
+                  const Interaction& at);
+
 /// Density in solid angle, about `origin`, with which sample_light chooses the point `surface` on a
 /// luminaire.
 double light_pdf(const Scene& scene, const Pose& pose, const Light& light, const Vec3& origin,

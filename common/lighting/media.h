@@ -3,6 +3,7 @@
 // (Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images"), so a liquid may reach into its
 // glass, and no gap is left between them.
 #include "common/lighting/surface.h"
+#include "common/math/portable_math.h"
 
 namespace rayfarm {
 
@@ -22,6 +23,18 @@ class Media {
         best = inside_[i];
     return best;
   }
+
+  /// What is left of light after this length of the medium that the ray is in.
+  Color transmittance(const Scene& scene, double distance) const {
+    Color left(1);
+    if (const uint32_t medium = current(scene); medium != kNone)
+      for (int c = 0; c < 3; ++c)
+        if (const double filter = scene.materials[medium].filter[c]; filter < 1)
+          left[c] = portable_pow(filter, distance);
+    return left;
+  }
+
+  bool is_in_air() const { return count_ == 0; }
 
   Crossing meet(const Scene& scene, uint32_t material, bool is_front) const {
     Media behind = *this;

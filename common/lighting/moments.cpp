@@ -1,13 +1,17 @@
 #include "common/lighting/moments.h"
 
+#include "common/scene/animation.h"
+
 namespace rayfarm {
 namespace {
 
 constexpr size_t kMoments = 64;  // so many that their number does not show
 
 bool moves(const Scene& scene) {
-  return std::any_of(scene.curves.begin(), scene.curves.end(),
-                     [](const CurveRecord& curve) { return curve.key_count > 1; });
+  constexpr auto step = static_cast<uint32_t>(Interpolation::step);  // of what comes and goes between frames
+  return std::any_of(scene.curves.begin(), scene.curves.end(), [](const CurveRecord& curve) {
+    return curve.key_count > 1 && curve.interpolation != step;
+  });
 }
 
 }  // namespace
@@ -20,7 +24,7 @@ std::span<const Moment> Moments::at(int frame, const RenderSettings& settings) {
     const double time =
         frame + settings.shutter * (count > 1 ? (static_cast<double>(i) + 0.5) / kMoments : 0);
     moments_.push_back(
-        {states_[i].at(time), make_camera(scene_, time, settings.width_px, settings.height_px)});
+        {states_[i].at(time, frame), make_camera(scene_, time, settings.width_px, settings.height_px)});
   }
   return moments_;
 }

@@ -161,15 +161,15 @@ class Renderer::Rendering {
     film_.expose(p.x, p.y, std::array{color.x, color.y, color.z});
   }
 
-  /// Rays through the corners of pixels or subpixels, shared by the four around each (thesis 2.3.2, 3.4.1).
-  /// Corners are counted from the image's first, and a subpixel is the mean of its four: so all rays weigh
-  /// the same, taken over the pixels that share them. Two rows of corners are kept.
+  /// Rays through the corners of a pixel's subpixels, which neighbours share (thesis 2.3.2, 3.4.1). Corners
+  /// are counted from the image's first. A pixel is the mean of all its rays: so the directions that the
+  /// thesis's model shares out over them keep the same weight.
   void render_corners() {
     const auto a = static_cast<int>(settings_.subpixels.columns),
                b = static_cast<int>(settings_.subpixels.rows);
     const auto columns = static_cast<size_t>(rect_.width() * a) + 1;
-    std::vector<Color> above(columns), below(columns);
-    const auto trace_row = [&](int y, std::vector<Color>& row) {
+    std::vector<Color> row(columns);
+    const auto trace_row = [&](int y) {
       OfPacket<Ray> rays;
       OfPacket<SampleId> ids;
       for (size_t i = 0; i < columns; ++i) {
@@ -189,18 +189,23 @@ class Renderer::Rendering {
         ids.clear();
       }
     };
-    trace_row(rect_.y0 * b, above);
     std::vector<Color> sums(static_cast<size_t>(rect_.width()));
+    const auto add_row = [&] {
+      for (size_t x = 0; x < sums.size(); ++x)
+        for (size_t i = 0; i <= settings_.subpixels.columns; ++i)
+          sums[x] += row[x * settings_.subpixels.columns + i];
+    };
+    trace_row(rect_.y0 * b);
     for (int y = rect_.y0; y < rect_.y1; ++y) {
       std::fill(sums.begin(), sums.end(), Color(0));
-      for (int row = 0; row < b; ++row, above.swap(below)) {
-        trace_row(y * b + row + 1, below);
-        for (size_t i = 0; i + 1 < columns; ++i)
-          sums[i / settings_.subpixels.columns] += 0.25 * (above[i] + above[i + 1] + below[i] + below[i + 1]);
+      add_row();  // the last of the pixels above
+      for (int i = 1; i <= b; ++i) {
+        trace_row(y * b + i);
+        add_row();
       }
-      for (size_t i = 0; i < sums.size(); ++i)
-        write({rect_.x0 + static_cast<int>(i), y},
-              sums[i] / static_cast<double>(settings_.subpixels.count()));
+      for (size_t x = 0; x < sums.size(); ++x)
+        write({rect_.x0 + static_cast<int>(x), y},
+              sums[x] / static_cast<double>(settings_.subpixels.corners()));
     }
   }
 
@@ -297,8 +302,9 @@ class Renderer::Rendering {
 };
 
 Renderer::Renderer(const Scene& scene, const RenderSettings& settings)
-    : settings_(settings),
-      passes_(make_coloured_scenes(scene, settings.colour)),
+    : scene_(scene),
+      settings_(settings),
+      passes_(make_coloured_scenes(scene, settings)),
       integrator_(make_integrator(settings.lighting)),
       filter_(settings.filter),
       moments_(scene) {}
@@ -311,6 +317,10 @@ RenderedPixels Renderer::render(int frame, const PixelRect& rect, const std::fun
 void Renderer::set_frame(int frame) {
   frame_.reset();  // stays so if the frame can't be set up
   now_ = moments_.at(frame, settings_);
+  if (has_changing_links(scene_)) {
+    const FrameLights lights = make_frame_lights(scene_, frame);
+    for (ColouredScene& pass : passes_) pass.set_lights(lights);
+  }
   tables_.emplace(settings_, frame);
   small_objects_.clear();
   if (settings_.adaptive_contrast > 0)

@@ -38,6 +38,7 @@ class Renderer {
   class Rendering;
   void set_frame(int frame);
 
+  Scene scene_;
   RenderSettings settings_;
   std::vector<ColouredScene> passes_;
   std::unique_ptr<Integrator> integrator_;

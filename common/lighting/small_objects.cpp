@@ -79,7 +79,7 @@ std::vector<SmallObject> find_small_objects(const Scene& scene, const Pose& pose
                                             const PixelRect& crop) {
   Finder finder(scene, camera, crop);
   for (uint32_t i = 0; i < scene.instances.size(); ++i)
-    finder.add_part(scene.parts[scene.instances[i].part], pose[i]);
+    if (!pose[i].is_hidden) finder.add_part(scene.parts[scene.instances[i].part], pose[i]);
   return finder.take();
 }
 

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "common/lighting/face_corners.h"
+
 namespace rayfarm {
 namespace {
 
@@ -10,7 +12,12 @@ struct LocalSurface {
   Vec3 geometric_normal{0}, shading_normal{0};  ///< unit
   uint32_t material = 0;
   double magnitude = 0;  ///< of the numbers that describe the primitive
+  bool is_gouraud = false;
 };
+
+bool is(Smoothing smoothing, uint32_t value) {
+  return value == static_cast<uint32_t>(smoothing);
+}
 
 double magnitude_of(const std::array<Vec3, 3>& v) {
   return std::max({max_magnitude(v[0]), max_magnitude(v[1]), max_magnitude(v[2])});
@@ -27,12 +34,21 @@ LocalSurface eval_triangle(const Scene& scene, const Hit& hit, const Vec3& p) {
     const std::array<Vec3, 3> n{Vec3(scene.normals[shading.normals[0]]),
                                 Vec3(scene.normals[shading.normals[1]]),
                                 Vec3(scene.normals[shading.normals[2]])};
-    s.shading_normal = shading.smoothing == static_cast<uint32_t>(Smoothing::center)
-                           ? center_normal(v, n, p)
-                           : hit.u * n[0] + hit.v * n[1] + hit.w * n[2];
+    s.shading_normal = is(Smoothing::center, shading.smoothing) ? center_normal(v, n, p)
+                                                                : hit.u * n[0] + hit.v * n[1] + hit.w * n[2];
     s.shading_normal = normalized(s.shading_normal);
+    s.is_gouraud = is(Smoothing::gouraud, shading.smoothing);
   }
   return s;
+}
+
+/// Sets the shading normal of a polygon that has normals at its corners.
+void smooth(uint32_t smoothing, std::span<const Vec3> points, std::span<const Vec3> normals, const Vec3& p,
+            LocalSurface& s) {
+  s.shading_normal =
+      normalized(is(Smoothing::center, smoothing) ? center_normal(points, normals, p)
+                                                  : phong_normal(points, normals, p, s.geometric_normal));
+  s.is_gouraud = is(Smoothing::gouraud, smoothing);
 }
 
 LocalSurface eval_polygon(const Scene& scene, const Polygon& polygon, const Hit& hit, const Vec3& p) {
@@ -44,14 +60,19 @@ LocalSurface eval_polygon(const Scene& scene, const Polygon& polygon, const Hit&
   // either's.
   if (hit.block_lane != kNone)
     for (const Vec3& q : scene.points_of(polygon)) s.magnitude = std::max(s.magnitude, max_magnitude(q));
-  if (polygon.first_normal != kNone) {
-    const auto points = scene.points_of(polygon);
-    const auto normals = scene.normals_of(polygon);
-    s.shading_normal = polygon.smoothing == static_cast<uint32_t>(Smoothing::center)
-                           ? center_normal(points, normals, p)
-                           : phong_normal(points, normals, p, polygon.normal);
-    s.shading_normal = normalized(s.shading_normal);
-  }
+  if (polygon.first_normal != kNone)
+    smooth(polygon.smoothing, scene.points_of(polygon), scene.normals_of(polygon), p, s);
+  return s;
+}
+
+/// Which of its triangles was hit makes no difference.
+LocalSurface eval_face(const Scene& scene, const MeshFace& face, const Vec3& p) {
+  const Gathered<Vec3> points = points_of(scene, face);
+  LocalSurface s;
+  s.geometric_normal = s.shading_normal = normalized(newell_normal(points.span()));
+  s.material = face.material;
+  for (const Vec3& q : points.span()) s.magnitude = std::max(s.magnitude, max_magnitude(q));
+  if (face.first_normal != kNone) smooth(face.smoothing, points.span(), normals_of(scene, face).span(), p, s);
   return s;
 }
 
@@ -67,6 +88,8 @@ LocalSurface eval_local(const Scene& scene, const Hit& hit, const Vec3& p) {
     }
     case PrimitiveKind::polygon:
       return eval_polygon(scene, scene.polygons[index], hit, p);
+    case PrimitiveKind::face:
+      return eval_face(scene, scene.mesh_faces[index], p);
     case PrimitiveKind::quadric: {
       const Quadric& quadric = scene.quadrics[index];
       const Vec3 n = normalized(quadric.gradient(p));
@@ -113,6 +136,7 @@ Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const
   }
   surface.offset = rounding_bound(magnitude);
   surface.material = local.material;
+  surface.is_gouraud = local.is_gouraud;
   if (glm::dot(surface.shading_normal, surface.geometric_normal) < 0)
     surface.shading_normal = -surface.shading_normal;
   surface.is_front = glm::dot(surface.geometric_normal, ray.direction) < 0;

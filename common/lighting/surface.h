@@ -19,6 +19,7 @@ struct Surface {
   Vec3 geometric_normal{0};  ///< unit, on the viewer's side
   Vec3 shading_normal{0};    ///< unit, in the geometric normal's hemisphere
   bool is_front = true;      ///< the ray came from outside: from where polygons run counter-clockwise
+  bool is_gouraud = false;   ///< the polygon shows the light at its corners
   uint32_t material = 0;
   double offset = 0;  ///< bounds the rounding error of p; grows with the numbers that p was computed from
 

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "common/lighting/face_corners.h"
 #include "common/materials/scattering.h"
 #include "common/math/spherical.h"
 #include "common/sampling/warps.h"
@@ -32,9 +33,9 @@ Vec2 bilinear_parameters(const std::array<Vec2, 4>& q, const Vec2& p) {
   return {square > 0 ? glm::dot(from, along) / square : 0, v};
 }
 
-Vec2 polygon_parameters(const Scene& scene, const Polygon& polygon, const Vec3& p) {
-  const auto points = scene.points_of(polygon);
-  const Vec3 x = normalized(points[1] - points[0]), y = glm::cross(polygon.normal, x);
+/// `normal`: the polygon's, unit.
+Vec2 polygon_parameters(std::span<const Vec3> points, const Vec3& normal, const Vec3& p) {
+  const Vec3 x = normalized(points[1] - points[0]), y = glm::cross(normal, x);
   const auto flat = [&](const Vec3& q) {
     return Vec2(glm::dot(q - points[0], x), glm::dot(q - points[0], y));
   };
@@ -46,6 +47,15 @@ Vec2 polygon_parameters(const Scene& scene, const Polygon& polygon, const Vec3& 
     hi = glm::max(hi, flat(q));
   }
   return (flat(p) - lo) / glm::max(hi - lo, Vec2(1e-300));
+}
+
+Vec2 face_parameters(const Scene& scene, const MeshFace& face, const Vec3& p) {
+  const Gathered<Vec3> points = points_of(scene, face);
+  const Vec3 normal = normalized(newell_normal(points.span()));
+  if (scene.face_uvs.empty()) return polygon_parameters(points.span(), normal, p);
+  Gathered<Vec2> uvs(face.corner_count);
+  for (size_t i = 0; i < face.corner_count; ++i) uvs[i] = scene.face_uvs[face.first_corner + i];
+  return mean_value_sum(points.span(), uvs.span(), p, normal).mean();
 }
 
 Vec2 triangle_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
@@ -71,7 +81,9 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
       return {longitude(d.x, d.z), 1 - portable_acos(d.y) / pi};
     }
     case PrimitiveKind::polygon:
-      return polygon_parameters(scene, scene.polygons[index], p);
+      return polygon_parameters(scene.points_of(scene.polygons[index]), scene.polygons[index].normal, p);
+    case PrimitiveKind::face:
+      return face_parameters(scene, scene.mesh_faces[index], p);
     case PrimitiveKind::quadric:
       break;
   }
@@ -80,9 +92,8 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
   return {longitude(d.x, d.z), (p.y - box.lo.y) / std::max(box.hi.y - box.lo.y, 1e-300)};
 }
 
-Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit,
-                  const Material& material, double width, Surface& surface) {
-  Material result = material;
+Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
+                  double choice, Surface& surface) {
   const InstancePose& place = pose[hit.instance];
   const Vec3 p_world = ray.origin + hit.t * ray.direction;
   const Vec3 p = place.is_identity ? p_world : place.object_from_world.point(p_world);
@@ -100,6 +111,17 @@ Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hi
   const double per_step = width / step;
   TexturePoint at{p, uv, per_step * std::max(glm::length(dx), glm::length(dy)),
                   per_step * std::max(glm::length(du), glm::length(dv))};
+  while (scene.materials[surface.material].kind == MaterialKind::mix) {
+    const Material& mix = scene.materials[surface.material];
+    const double second =
+        std::clamp(luminance(eval_texture(scene.textures[mix.texture], scene.texels, at)), 0.0, 1.0);
+    const bool is_second = choice < second;
+    surface.material = mix.parts[is_second ? 1 : 0];
+    // What is left of the choice chooses within a part that is a mix itself.
+    choice = is_second ? choice / second : (choice - second) / (1 - second);
+  }
+  const Material& material = scene.materials[surface.material];
+  Material result = material;
   if (material.texture != kNone)
     result.color *= glm::max(
         scene.head().channels_from_rgb * eval_texture(scene.textures[material.texture], scene.texels, at),

@@ -1,5 +1,6 @@
 #pragma once
 // What a surface is made of: plain data, the same in a scene's description and in its compiled block.
+#include <array>
 #include <cstdint>
 
 #include "common/math/index.h"
@@ -10,13 +11,22 @@ namespace rayfarm {
 /// Families, each with the parameters that shape it (Shirley, Sung and Brown 1991, section 2.4), beside the
 /// classical coefficients.
 enum class MaterialKind : uint32_t {
-  classical,    ///< color, ambient, diffuse, specular, shininess, reflect, transmit, index
-  lambertian,   ///< color: the albedo
-  conductor,    ///< n, k, exponent
-  dielectric,   ///< index, filter, exponent, priority
-  polished,     ///< color: the substrate's albedo; index, exponent: of the polish
+  classical,   ///< color, ambient, diffuse, specular, shininess, reflect, transmit, index, interior, exponent
+  lambertian,  ///< color: the albedo
+  conductor,   ///< n, k, exponent
+  dielectric,  ///< index, filter, exponent, priority
+  polished,    ///< color: the substrate's albedo; index, exponent: of the polish
   translucent,  ///< color, back: the albedos of the two sides; through: what passes diffusely
-  luminaire     ///< color: the albedo; emission, exponent, is_inward
+  luminaire,    ///< color: the albedo; emission, exponent, is_inward
+  mix           ///< parts, texture: which of them is where; nothing else of it is read
+};
+
+/// Which rays a material reflects ("It is useful to be able to turn off reflections from a particular
+/// material": Shirley, Sung and Brown 1991, section 2.4). Light straight from sources is reflected always.
+enum class Reflections : uint32_t {
+  all,
+  specular,  ///< along mirror directions, spread or not: the polish, but not the substrate
+  none
 };
 
 struct Material {
@@ -31,6 +41,9 @@ struct Material {
   int32_t priority = 0;  ///< where dielectrics overlap the one of the highest priority is there
   uint32_t texture = kNone, bump = kNone;
   Color emission{0};  ///< radiance along the normal
+  Color interior{1};  ///< weighs what a classical surface transmits (thesis 3.2)
+  Reflections reflections = Reflections::all;
+  uint32_t padding = 0;
 
   double bump_height = 0;  ///< of the bump texture's white over its black
   /// Spread of what is reflected or refracted, cosⁿ about its direction; 0: none, the surface is smooth. Of a
@@ -42,6 +55,21 @@ struct Material {
   double abbe = 0;         ///< dispersion of a dielectric: its Abbe number; 0: none
   Color filter{1};         ///< what is left of light after one unit of length in a dielectric
   Color back{0}, through{0};
+  /// Of a luminaire whose radiance differs by direction; with its axis and where its horizontal angle is 0,
+  /// unit, in the object's space.
+  uint32_t diagram = kNone;
+  uint32_t reserved = 0;
+  Vec3 diagram_axis{0, -1, 0}, diagram_zero{1, 0, 0};
+  /// Of a mix: materials before it. Where the texture is black the first is there, where it is white the
+  /// second, in between each with that probability.
+  std::array<uint32_t, 2> parts{kNone, kNone};
 };
+
+inline bool has_reflected_rays(const Material& m) {
+  return m.reflections != Reflections::none;
+}
+inline bool has_diffuse_rays(const Material& m) {
+  return m.reflections == Reflections::all;
+}
 
 }  // namespace rayfarm

@@ -28,9 +28,9 @@ void classical(const Material& m, const Interaction& at, Lobes& lobes) {
     if (through == Vec3(0))
       reflect += m.transmit;
     else
-      lobes.push_back(along(through, Color(m.transmit), 0, true));
+      lobes.push_back(along(through, m.transmit * m.interior, m.exponent, true));
   }
-  if (reflect.x > 0) lobes.push_back(along(mirrored(at), reflect, 0));
+  if (reflect.x > 0) lobes.push_back(along(mirrored(at), reflect, m.exponent));
 }
 
 void conductor(const Material& m, const Interaction& at, Lobes& lobes) {
@@ -79,6 +79,8 @@ void scatter(const Material& material, const Interaction& at, Lobes& lobes) {
       return polished(material, at, lobes);
     case MaterialKind::translucent:
       return translucent(material, at, lobes);
+    case MaterialKind::mix:  // its parts scatter
+      return;
   }
 }
 

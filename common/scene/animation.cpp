@@ -30,6 +30,8 @@ Vec4 eval_curve(Interpolation interpolation, std::span<const double> frames, std
   const double t = (frame - frames[next - 1]) / (frames[next] - frames[next - 1]);
   const Vec4 a = values[next - 1], b = values[next];
   switch (interpolation) {
+    case Interpolation::step:
+      return a;
     case Interpolation::linear:
       return a + t * (b - a);
     case Interpolation::spherical:

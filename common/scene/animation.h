@@ -11,9 +11,10 @@
 namespace rayfarm {
 
 enum class Interpolation : uint32_t {
-  linear,             ///< component by component
-  spherical,          ///< directions: along the great circle, lengths are not kept
-  spherical_rotation  ///< unit quaternions (x, y, z, w): along the shorter arc
+  linear,              ///< component by component
+  spherical,           ///< directions: along the great circle, lengths are not kept
+  spherical_rotation,  ///< unit quaternions (x, y, z, w): along the shorter arc
+  step                 ///< the last key's value, until the next
 };
 
 /// A value that depends on the frame: constant before the first key and after the last.

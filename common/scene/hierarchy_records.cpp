@@ -22,7 +22,7 @@ VolumeNode make_empty_node() {
 }
 
 void set_child(VolumeNode& node, size_t slot, const Box& box, ChildRef child) {
-  const double margin = 1e-14 * box.magnitude();
+  const double margin = 1e-14 * box.magnitude();  // none of an empty box: it stays inverted
   for (size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<int>(axis);
     node.planes[0][axis][slot] = round_down(box.lo[i] - margin);

@@ -18,20 +18,38 @@ enum class LightKind : uint32_t {
   luminaire     ///< a primitive of a luminous material
 };
 
-struct Light {
+/// Where a source stands.
+struct LightPlace {
+  Vec3 position{0};
+  Vec3 direction{0, -1, 0};  ///< unit; in which the light shines
+  Vec3 zero{1, 0, 0};        ///< unit, across `direction`: where a diagram's horizontal angle is 0
+  uint32_t is_mirrored = 0;  ///< 1: horizontal angles run the other way round
+  uint32_t padding = 0;
+};
+
+/// Its place is in the world; that of a source that moves is the one at the scene's first frame, and `Pose`
+/// has it for each moment.
+struct Light : LightPlace {
   LightKind kind = LightKind::point;
   uint32_t instance = 0;  ///< of a luminaire, as the next three
   PrimitiveId primitive{};
   /// Of a luminous triangle or polygon, in luminaire_triangles.
   uint32_t first_triangle = 0, triangle_count = 0;
   uint32_t material = 0;
-  uint32_t diagram = kNone, padding = 0;  ///< of a bulb whose intensity differs by direction
-  Vec3 position{0};
-  Vec3 direction{0, -1, 0};  ///< unit; in which the light shines
-  Vec3 zero{1, 0, 0};        ///< unit, across `direction`: where a diagram's horizontal angle is 0
+  uint32_t diagram = kNone;      ///< of a bulb whose intensity differs by direction
+  uint32_t object_node = kNone;  ///< where it stands in the object tree; none: it belongs to the whole scene
+  uint32_t moving = kNone;       ///< which of the moving lights it is; none: it never moves
+  uint32_t reserved = 0;
   Color color{1};
   /// Of the angles up to which a spot is bright, and from which it is dark.
   double cosine_full = 1, cosine_none = 1;
+};
+
+/// A source that moves, as it stands in its object's space.
+struct MovingLight {
+  LightPlace place;
+  uint32_t object_node = 0;
+  uint32_t light = 0;
 };
 
 /// Of a luminous triangle or polygon as rays meet it, in its object's space.

@@ -24,7 +24,6 @@ struct Subpixels {
   uint32_t columns = 1, rows = 1;
 
   static constexpr uint32_t kMost = 64;  ///< of columns, and of rows
-  uint32_t count() const { return columns * rows; }
   uint32_t corners() const { return (columns + 1) * (rows + 1); }
 
   template <typename Archive>
@@ -33,6 +32,19 @@ struct Subpixels {
   }
   friend bool operator==(const Subpixels&, const Subpixels&) = default;
 };
+
+/// What bodies that transmit light do to shadow rays.
+enum class GlassShadows : uint8_t {
+  blocked,      ///< they stop them as others do
+  transparent,  ///< they let them go straight on, weakened (thesis 2.2.4: nonrefractive transparent objects)
+  none          ///< they cast no shadow (thesis 3.5.1: many researchers omit it)
+};
+
+/// What weighs ambient light (thesis 2.2.2).
+enum class AmbientColour : uint8_t { surface, light };
+
+/// The most rays of one lobe: rays that a surface reflects, or transmits.
+inline constexpr uint32_t kMostLobeRays = 1000;
 
 /// The depth of paths if nothing else is asked for: roulette ends nearly all long before.
 inline constexpr uint32_t kPathDepth = 100;
@@ -47,9 +59,10 @@ struct RenderSettings {
   SamplingPattern sampling = SamplingPattern::sobol;
   FilterKind filter = FilterKind::box;
   ColourModel colour = ColourModel::rgb;
-  double shutter = 0;    ///< how long it is open, in frames
-  uint32_t samples = 1;  ///< per pixel; 1 where rays go through corners
-  Subpixels subpixels;   ///< other than one only where rays go through corners
+  std::vector<double> colour_nodes_nm;  ///< of the spectral model; none: the scene's
+  double shutter = 0;                   ///< how long it is open, in frames
+  uint32_t samples = 1;                 ///< per pixel; 1 where rays go through corners
+  Subpixels subpixels;                  ///< other than one only where rays go through corners
   /// Pixels whose first samples differ by no more than this from their neighbours' get no others; 0: all do.
   double adaptive_contrast = 0;
   /// Limits of each branch of the lighting tree, or of a path, by the kinds of its rays; diffuse ones count
@@ -62,6 +75,11 @@ struct RenderSettings {
   double diffuse_reach = 0;   ///< where a diffuse ray's strength has fallen to a half; 0: it never falls
   /// Difference of neighbouring diffuse rays, times weight, that calls for one more; 0: never.
   double diffuse_contrast = 0;
+  /// N_RS and N_T of Equation 3.2: rays that a surface with an exponent reflects and transmits in the models
+  /// of Whitted and of the thesis, spread over its lobe; 1: along its axis.
+  uint32_t reflected_rays = 1, transmitted_rays = 1;
+  GlassShadows glass_shadows = GlassShadows::blocked;
+  AmbientColour ambient_colour = AmbientColour::surface;
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   DiffuseBands diffuse_bands = DiffuseBands::flux;
   DiffuseSet diffuse_set = DiffuseSet::turned;
@@ -73,10 +91,17 @@ struct RenderSettings {
   template <typename Archive>
   void serialize(Archive& archive) {
     auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
-    archive(width_px, height_px, crop, lighting, sampling, filter, colour, shutter, samples, subpixels,
-            adaptive_contrast, max_reflections, max_transmissions, max_depth, min_weight, diffuse_rays,
-            diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set, seed, pixel_format);
+    archive(width_px, height_px, crop, lighting, colour, pixel_format, seed);
+    archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast);
+    archive(max_reflections, max_transmissions, max_depth, min_weight);
+    archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
+    archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);
     diffuse_jitter = jitter != 0;
+    // A count off the wire asks for no more memory than is allowed; one too large is refused by the checks.
+    auto nodes = static_cast<uint32_t>(colour_nodes_nm.size());
+    archive(nodes);
+    colour_nodes_nm.resize(std::min<size_t>(nodes, kMostColourNodes + 1));
+    for (double& nm : colour_nodes_nm) archive(nm);
   }
 };
 

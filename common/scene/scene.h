@@ -10,6 +10,7 @@
 #include "common/scene/goniometry.h"
 #include "common/scene/hierarchy_records.h"
 #include "common/scene/light.h"
+#include "common/scene/spectral_color.h"
 #include "common/shapes/polygon.h"
 #include "common/shapes/quadric.h"
 #include "common/shapes/sphere.h"
@@ -21,6 +22,16 @@ struct TriangleShading {
   uint32_t material = 0;
   uint32_t smoothing = 0;  ///< enum Smoothing
   std::array<uint32_t, 3> normals{kNone, kNone, kNone};
+};
+
+/// A mesh's polygon of more than three corners. It is planar, and tested as the triangles that it is cut
+/// into; corners and normals are shared with its neighbours.
+struct MeshFace {
+  uint32_t first_corner = 0;  ///< in face_corners
+  uint32_t corner_count = 0;
+  uint32_t first_normal = kNone;  ///< in face_normals; none: flat
+  uint32_t smoothing = 0;         ///< enum Smoothing
+  uint32_t material = 0;
 };
 
 struct CurveRecord {
@@ -41,6 +52,7 @@ struct TransformStepRecord {
 struct ObjectNode {
   uint32_t parent = kNone;
   uint32_t first_step = 0, step_count = 0;
+  uint32_t visible = kNone;  ///< a curve: 0 in frames from which the node and all below it are left out
 };
 
 /// Primitives that never move against each other, and the volume hierarchy below them (thesis 4.2.1.1).
@@ -52,14 +64,15 @@ struct Part {
   uint32_t first_triangle_block = 0, triangle_block_count = 0;
   uint32_t first_sphere_block = 0, sphere_block_count = 0;
   uint32_t first_leaf_primitive = 0, leaf_primitive_count = 0;
-  uint32_t triangle_count = 0, sphere_count = 0, polygon_count = 0, quadric_count = 0;
+  uint32_t triangle_count = 0, sphere_count = 0, quadric_count = 0;
+  uint32_t polygon_count = 0;  ///< of more than three corners, meshes' too
 };
 
 /// A part at its place in the world.
 struct Instance {
   uint32_t object_node = 0;
   uint32_t part = 0;
-  uint32_t moving = kNone;  ///< which of the moving instances it is; kNone: it never moves
+  uint32_t moving = kNone;  ///< which of those that move, or come and go, it is; kNone: it never does
 };
 
 /// Where an instance stands in one frame.
@@ -68,7 +81,7 @@ struct InstancePose {
   Affine object_from_world;
   Box bounds;  ///< in the world
   uint32_t is_identity = 0;
-  uint32_t padding = 0;
+  uint32_t is_hidden = 0;  ///< 1: the frame is without it
 };
 
 struct ViewRecord {
@@ -115,6 +128,9 @@ struct Scene : SceneArrays<ArrayView> {
   }
   std::span<const Vec4> planes_of(const Quadric& q) const {
     return quadric_planes.subspan(q.first_plane, q.plane_count);
+  }
+  std::span<const SpectrumNode> spectrum_of(const SpectralColor& c) const {
+    return spectrum_nodes.subspan(c.first_node, c.node_count);
   }
   Vec4 eval(uint32_t curve, double frame) const;
 };

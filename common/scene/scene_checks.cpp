@@ -30,8 +30,9 @@ class OwnRanges {
 };
 
 bool exists(const Scene& s, PrimitiveId id, PrimitiveKind kind) {
-  const std::array<size_t, 4> counts{s.triangle_shading.size(), s.spheres.size(), s.polygons.size(),
-                                     s.quadrics.size()};  // in the order of PrimitiveKind
+  const std::array<size_t, 5> counts{s.triangle_shading.size(), s.spheres.size(), s.polygons.size(),
+                                     s.quadrics.size(),
+                                     s.mesh_faces.size()};  // in the order of PrimitiveKind
   return id.kind() == kind && id.index() < counts[static_cast<size_t>(kind)];
 }
 
@@ -124,7 +125,9 @@ void check_leaves(const Scene& s) {
     for (size_t lane = 0; lane < 8; ++lane) {
       const PrimitiveId p = block.primitives[lane];
       if (p != kNoPrimitive) {
-        require(exists(s, p, PrimitiveKind::triangle) || exists(s, p, PrimitiveKind::polygon), "a triangle");
+        require(exists(s, p, PrimitiveKind::triangle) || exists(s, p, PrimitiveKind::polygon) ||
+                    exists(s, p, PrimitiveKind::face),
+                "a triangle");
         continue;
       }
       for (const auto& vertex : block.vertices)
@@ -146,8 +149,12 @@ void check_leaves(const Scene& s) {
 
 void check_primitives(const Scene& s) {
   const auto material = [&](uint32_t m) { require(m < s.materials.size(), "a material"); };
+  const auto smoothing = [](uint32_t value) {
+    require(value <= static_cast<uint32_t>(Smoothing::gouraud), "a polygon's smoothing");
+  };
   for (const TriangleShading& t : s.triangle_shading) {
     material(t.material);
+    smoothing(t.smoothing);
     const bool has_normals = t.normals[0] != kNone;
     for (const uint32_t n : t.normals)
       require(has_normals ? n < s.normals.size() : n == kNone, "a triangle's normals");
@@ -160,10 +167,23 @@ void check_primitives(const Scene& s) {
       planes(s.quadric_planes.size(), "a quadric's planes");
   for (const Polygon& p : s.polygons) {
     material(p.material);
+    smoothing(p.smoothing);
     require(p.point_count >= 3 && p.drop_axis < 3, "a polygon");
     points.take(p.first_point, p.point_count);
     if (p.first_normal != kNone) normals.take(p.first_normal, p.point_count);
   }
+  OwnRanges corners(s.face_corners.size(), "a face's corners"),
+      corner_normals(s.face_normals.size(), "a face's normals");
+  for (const MeshFace& f : s.mesh_faces) {
+    material(f.material);
+    smoothing(f.smoothing);
+    require(f.corner_count >= 3, "a face");
+    corners.take(f.first_corner, f.corner_count);
+    if (f.first_normal != kNone) corner_normals.take(f.first_normal, f.corner_count);
+  }
+  for (const uint32_t c : s.face_corners) require(c < s.mesh_points.size(), "a face's corner");
+  for (const uint32_t n : s.face_normals) require(n < s.normals.size(), "a face's normal");
+  require(s.face_uvs.empty() || s.face_uvs.size() == s.face_corners.size(), "the faces' coordinates");
   for (const Quadric& q : s.quadrics) {
     material(q.material);
     planes.take(q.first_plane, q.plane_count);
@@ -193,6 +213,8 @@ void check_lights(const Scene& s) {
   for (size_t i = 0; i < s.lights.size(); ++i) {
     const Light& light = s.lights[i];
     require(light.diagram == kNone || light.diagram < s.goniometric_diagrams.size(), "a light's diagram");
+    require(light.object_node == kNone || light.object_node < s.object_nodes.size(), "a light's place");
+    require(light.moving == kNone || light.moving < s.moving_lights.size(), "a light's place");
     require(light.kind <= LightKind::luminaire &&
                 (light.kind == LightKind::luminaire) == (i >= first_luminaire) &&
                 (light.kind != LightKind::environment || s.head().environment != kNone),
@@ -201,7 +223,8 @@ void check_lights(const Scene& s) {
     require(light.material < s.materials.size(), "a light's material");
     require(light.instance < s.instances.size(), "a light's instance");
     const bool has_triangles = exists(s, light.primitive, PrimitiveKind::polygon) ||
-                               exists(s, light.primitive, PrimitiveKind::triangle);
+                               exists(s, light.primitive, PrimitiveKind::triangle) ||
+                               exists(s, light.primitive, PrimitiveKind::face);
     const size_t triangles = s.luminaire_triangles.size();
     require(exists(s, light.primitive, PrimitiveKind::sphere) ||
                 (has_triangles && light.triangle_count >= 1 && light.first_triangle <= triangles &&
@@ -212,15 +235,19 @@ void check_lights(const Scene& s) {
 
 void check_textures(const Scene& s) {
   for (const Texture& t : s.textures) {
-    require(t.kind <= TextureKind::image && t.octaves <= 32, "a texture's kind");
-    if (t.kind != TextureKind::image) continue;
-    require(t.width_px > 0 && t.height_px > 0 && t.levels > 0 && t.levels <= 32, "an image's size");
+    require(t.kind <= TextureKind::array && t.octaves <= 32, "a texture's kind");
+    if (t.kind < TextureKind::image) continue;
+    const uint32_t depth_px = t.kind == TextureKind::array ? t.depth_px : 1;
+    require(t.width_px > 0 && t.height_px > 0 && depth_px > 0 && t.levels > 0 && t.levels <= 32,
+            "an image's size");
     const size_t size = s.texels.size() / 3;
     size_t end = t.first_texel;
     for (uint32_t level = 0; level < t.levels; ++level) {
-      const size_t width = std::max(1u, t.width_px >> level), height = std::max(1u, t.height_px >> level);
-      require(end <= size && width <= (size - end) / height, "an image's texels");
-      end += width * height;
+      const size_t width = std::max(1u, t.width_px >> level), height = std::max(1u, t.height_px >> level),
+                   depth = std::max(1u, depth_px >> level);
+      require(end <= size && width <= (size - end) / height && depth <= (size - end) / (width * height),
+              "an image's texels");
+      end += width * height * depth;
     }
   }
   const uint32_t environment = s.head().environment;
@@ -237,12 +264,37 @@ void check_textures(const Scene& s) {
 }
 
 void check_materials(const Scene& s) {
-  for (const Material& m : s.materials) {
-    require(m.kind <= MaterialKind::luminaire, "a material's kind");
+  for (size_t i = 0; i < s.materials.size(); ++i) {
+    const Material& m = s.materials[i];
+    require(m.kind <= MaterialKind::mix && m.reflections <= Reflections::none, "a material's kind");
+    if (m.kind == MaterialKind::mix)  // its parts stand before it, so a chain of mixes always ends
+      require(m.texture != kNone && m.parts[0] < i && m.parts[1] < i, "a mix");
+    require(std::isfinite(m.exponent) && m.exponent >= 0, "a material's exponent");
+    for (int c = 0; c < 3; ++c)
+      require(std::isfinite(m.interior[c]) && m.interior[c] >= 0 && m.filter[c] >= 0 && m.filter[c] <= 1,
+              "a material's interior");
     require((m.texture == kNone || m.texture < s.textures.size()) &&
                 (m.bump == kNone || m.bump < s.textures.size()),
             "a material's texture");
+    require(m.diagram == kNone || m.diagram < s.goniometric_diagrams.size(), "a material's diagram");
     require(m.metal == kNone || m.metal < conductor_names().size(), "a material's metal");
+  }
+}
+
+void check_spectra(const Scene& s) {
+  for (const SpectralColor& c : s.spectral_colors) {
+    require(c.field <= SpectralField::ambient, "a spectrum's place");
+    const size_t owners = c.field < SpectralField::light    ? s.materials.size()
+                          : c.field == SpectralField::light ? s.lights.size()
+                                                            : 1;
+    require(c.index < owners, "a spectrum's owner");
+    const size_t size = s.spectrum_nodes.size();
+    require(c.node_count > 0 && c.first_node <= size && c.node_count <= size - c.first_node, "a spectrum");
+    const auto nodes = s.spectrum_of(c);
+    for (size_t i = 0; i < nodes.size(); ++i)  // not NaN, and rising
+      require(std::isfinite(nodes[i].wavelength_nm) && std::isfinite(nodes[i].value) && nodes[i].value >= 0 &&
+                  (i == 0 || nodes[i - 1].wavelength_nm < nodes[i].wavelength_nm),
+              "a spectrum");
   }
 }
 
@@ -254,8 +306,7 @@ void check_motion(const Scene& s) {
   require(s.key_frames.size() == s.key_values.size(), "the keys");
   OwnRanges keys(s.key_frames.size(), "a curve's keys"), steps(s.steps.size(), "an object's transform");
   for (const CurveRecord& c : s.curves) {
-    require(c.key_count > 0 && c.interpolation <= static_cast<uint32_t>(Interpolation::spherical_rotation),
-            "a curve");
+    require(c.key_count > 0 && c.interpolation <= static_cast<uint32_t>(Interpolation::step), "a curve");
     keys.take(c.first_key, c.key_count);
     const auto frames = s.key_frames.subspan(c.first_key, c.key_count);
     for (size_t i = 0; i < frames.size(); ++i)  // not NaN, and rising
@@ -268,6 +319,7 @@ void check_motion(const Scene& s) {
   for (size_t i = 0; i < s.object_nodes.size(); ++i) {
     const ObjectNode& node = s.object_nodes[i];
     require(node.parent == kNone || node.parent < i, "an object's parent");
+    if (node.visible != kNone) curve(node.visible);
     steps.take(node.first_step, node.step_count);
   }
   require(s.poses.size() == s.instances.size(), "the poses");
@@ -280,6 +332,10 @@ void check_motion(const Scene& s) {
   for (size_t m = 0; m < s.moving_instances.size(); ++m)
     require(s.moving_instances[m] < s.instances.size() && s.instances[s.moving_instances[m]].moving == m,
             "a moving instance");
+  for (size_t m = 0; m < s.moving_lights.size(); ++m)
+    require(s.moving_lights[m].object_node < s.object_nodes.size() &&
+                s.moving_lights[m].light < s.lights.size() && s.lights[s.moving_lights[m].light].moving == m,
+            "a moving light");
 }
 
 }  // namespace
@@ -291,6 +347,7 @@ void check_scene(const Scene& scene) {
   check_leaves(scene);
   check_primitives(scene);
   check_materials(scene);
+  check_spectra(scene);
   check_lights(scene);
   check_textures(scene);
 }

@@ -72,28 +72,7 @@ Vec3 center_normal(std::span<const Vec3> points, std::span<const Vec3> normals, 
 
 Vec3 phong_normal(std::span<const Vec3> points, std::span<const Vec3> normals, const Vec3& p,
                   const Vec3& plane_normal) {
-  // Weight of corner i: (tan(a_{i-1}/2) + tan(a_i/2)) / |v_i - p|, with a_i the signed angle at p between
-  // corners i and i+1. tan(a/2) = (|s_i||s_j| - s_i·s_j) / (signed area).
-  const size_t n = points.size();
-  const auto half_tangent = [&](size_t i) {
-    const Vec3 si = points[i] - p, sj = points[(i + 1) % n] - p;
-    const double area = glm::dot(plane_normal, glm::cross(si, sj));
-    return area == 0 ? 0 : (glm::length(si) * glm::length(sj) - glm::dot(si, sj)) / area;
-  };
-  Vec3 sum(0);
-  double previous = half_tangent(n - 1);
-  for (size_t i = 0; i < n; ++i) {
-    const size_t j = (i + 1) % n;
-    const Vec3 si = points[i] - p, sj = points[j] - p;
-    const double ri = glm::length(si), rj = glm::length(sj);
-    if (ri == 0) return normals[i];
-    if (glm::dot(plane_normal, glm::cross(si, sj)) == 0 && glm::dot(si, sj) < 0)
-      return (rj * normals[i] + ri * normals[j]) / (ri + rj);  // p lies on this edge
-    const double current = half_tangent(i);
-    sum += ((previous + current) / ri) * normals[i];
-    previous = current;
-  }
-  return sum;
+  return mean_value_sum(points, normals, p, plane_normal).sum;
 }
 
 Box clipped_bounds(std::span<const Vec3> points, const Box& cell) {

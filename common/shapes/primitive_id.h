@@ -6,16 +6,17 @@
 
 namespace rayfarm {
 
-/// A primitive of a part: two bits of kind and its index in the scene's array of that kind.
-enum class PrimitiveKind : uint32_t { triangle, sphere, polygon, quadric };
+/// A primitive of a part: three bits of kind and its index in the scene's array of that kind. A face is a
+/// mesh's polygon of more than three corners.
+enum class PrimitiveKind : uint32_t { triangle, sphere, polygon, quadric, face };
 struct PrimitiveId {
   uint32_t bits = 0;
-  PrimitiveKind kind() const { return static_cast<PrimitiveKind>(bits >> 30); }
-  uint32_t index() const { return bits & 0x3fffffffu; }
+  PrimitiveKind kind() const { return static_cast<PrimitiveKind>(bits >> 29); }
+  uint32_t index() const { return bits & 0x1fffffffu; }
   bool operator==(const PrimitiveId&) const = default;
 };
 constexpr PrimitiveId make_primitive_id(PrimitiveKind kind, uint32_t index) {
-  return {static_cast<uint32_t>(kind) << 30 | index};
+  return {static_cast<uint32_t>(kind) << 29 | index};
 }
 
 inline constexpr PrimitiveId kNoPrimitive{kNone};

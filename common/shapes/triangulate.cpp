@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/math/orientation.h"
+#include "common/shapes/polygon.h"
 
 namespace rayfarm {
 namespace {
@@ -223,6 +224,20 @@ bool cross(const Edge& e, const Edge& f) {
 std::vector<std::array<uint32_t, 3>> triangulate(std::span<const Vec3> points, const Vec3& normal) {
   if (points.size() < 3) return {};
   return EarClipper(projected(points, normal)).clip();
+}
+
+void cut_face(std::span<const Vec3> points, std::vector<std::array<uint32_t, 3>>& triangles) {
+  triangles.clear();
+  const Vec3 normal = newell_normal(points);
+  const double least =
+      -1e-6 * glm::dot(normal, normal);  // what overlaps by so little of the face is rounding
+  bool is_fan = true;
+  for (uint32_t i = 1; i + 1 < points.size(); ++i) {
+    is_fan =
+        is_fan && glm::dot(glm::cross(points[i] - points[0], points[i + 1] - points[0]), normal) >= least;
+    triangles.push_back({0, i, i + 1});
+  }
+  if (!is_fan) triangles = triangulate(points, normal);
 }
 
 bool crosses_itself(std::span<const Vec3> points, const Vec3& normal) {

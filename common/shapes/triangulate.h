@@ -18,6 +18,10 @@ namespace rayfarm {
 /// is an ear.
 std::vector<std::array<uint32_t, 3>> triangulate(std::span<const Vec3> points, const Vec3& normal);
 
+/// The same for faces of meshes, into `triangles`: a fan from the first corner where that covers the face
+/// once, as it does where the face is convex, planar or not.
+void cut_face(std::span<const Vec3> points, std::vector<std::array<uint32_t, 3>>& triangles);
+
 /// True if edges cross, or run along each other in the same direction: then some part of the plane lies
 /// within the polygon more than once. The two sides of a bridge run in opposite directions.
 bool crosses_itself(std::span<const Vec3> points, const Vec3& normal);

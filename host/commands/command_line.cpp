@@ -80,6 +80,10 @@ Option Options::text(const std::string& names, std::function<void(const std::str
 Option Options::number(const std::string& names, int& target, int least, int most, const std::string& help) {
   return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
 }
+Option Options::number(const std::string& names, std::optional<int>& target, int least, int most,
+                       const std::string& help) {
+  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+}
 Option Options::number(const std::string& names, uint32_t& target, uint32_t least, uint32_t most,
                        const std::string& help) {
   return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));

@@ -56,6 +56,8 @@ class Options {
               const std::string& type);
 
   Option number(const std::string& names, int& target, int least, int most, const std::string& help);
+  Option number(const std::string& names, std::optional<int>& target, int least, int most,
+                const std::string& help);
   Option number(const std::string& names, uint32_t& target, uint32_t least, uint32_t most,
                 const std::string& help);
   Option number(const std::string& names, std::optional<uint32_t>& target, uint32_t least, uint32_t most,

@@ -1,10 +1,12 @@
 #include <memory>
 
 #include "host/commands/commands.h"
+#include "host/experiments/colour/colour_experiment.h"
 #include "host/experiments/depth/depth_experiment.h"
 #include "host/experiments/lighting/lighting_experiment.h"
 #include "host/experiments/net-load/net_load_experiment.h"
 #include "host/experiments/sampling/sampling_experiment.h"
+#include "host/experiments/smoothing/smoothing_experiment.h"
 #include "host/experiments/working-sets/working_sets.h"
 
 namespace rayfarm {
@@ -21,7 +23,9 @@ int run_experiment(const ExperimentChoice& choice, const Renders& renders) {
   if (choice.name == "depth") return run_depth_experiment(options, renders.here);
   if (choice.name == "net-load") return run_net_load_experiment(options, renders.here);
   if (choice.name == "sampling") return run_sampling_experiment(options, renders.here);
+  if (choice.name == "smoothing") return run_smoothing_experiment(options);
   if (choice.name == "working-sets") return run_working_set_experiment(options);
+  if (choice.name == "colour") return run_colour_experiment(options, renders.here);
   return run_lighting_experiment(options, renders.here);
 }
 
@@ -42,11 +46,14 @@ void add_experiment_command(CommandLine& line) {
   options
       .word(
           "NAME", [choice = choice.get()](const std::string& name) { choice->name = name; },
-          {"depth", "lighting", "net-load", "sampling", "working-sets"},
-          "depth: limits of the lighting tree, section 2.3.4; lighting: the pictures of the thesis's chapter "
-          "3; net-load: processor counts against the net's "
-          "load, section 4.4.4.2; sampling: the accuracy of patterns, Shirley, Sung and Brown; working-sets: "
-          "Table 4.12")
+          {"colour", "depth", "lighting", "net-load", "sampling", "smoothing", "working-sets"},
+          "colour: RGB and spectra at 4, 20 and any wavelengths, section 2.1 of Shirley, Sung and Brown; "
+          "depth: "
+          "limits of the lighting tree, section 2.3.4; lighting: the pictures of the thesis's chapter 3; "
+          "net-load: processor counts against the net's load, section 4.4.4.2; sampling: the accuracy of "
+          "patterns, section 2.2.1 of Shirley, Sung and Brown; smoothing: the light of a turning mesh, "
+          "section "
+          "2.3.5; working-sets: Table 4.12")
       .required();
   options.text("-o,--output", o.output, "folder for page, pictures and numbers (default: out/NAME)");
   options.text("--scenes", o.scenes, "folder that holds the scenes (default: scenes)");

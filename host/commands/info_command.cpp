@@ -1,11 +1,25 @@
 #include <fmt/core.h>
 
+#include "common/description/primitive_counts.h"
+#include "common/hierarchy/frame_state.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/process/exit_code.h"
 
 namespace rayfarm {
 namespace {
+
+std::string amount(uint64_t count, const char* what) {
+  return count == 0 ? "" : fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string text_of(const PrimitiveCounts& counts) {
+  std::string text;
+  for (const std::string& kind : {amount(counts.polygons, "polygon"), amount(counts.spheres, "sphere"),
+                                  amount(counts.quadrics, "quadric")})
+    if (!kind.empty()) text += (text.empty() ? "" : ", ") + kind;
+  return text;
+}
 
 void print_tree(const SceneDescription& scene, uint32_t object, size_t depth, size_t& lines_left) {
   if (lines_left == 0) return;
@@ -15,9 +29,7 @@ void print_tree(const SceneDescription& scene, uint32_t object, size_t depth, si
   }
   const ObjectDescription& o = scene.objects[object];
   fmt::print("  {:{}}{}{}{}\n", "", 2 * depth, o.name,
-             o.primitives.empty()
-                 ? ""
-                 : fmt::format(": {} primitive{}", o.primitives.size(), o.primitives.size() == 1 ? "" : "s"),
+             o.primitives.empty() ? "" : ": " + text_of(count_primitives(o)),
              o.children.empty()
                  ? ""
                  : fmt::format(" ({} child{})", o.children.size(), o.children.size() == 1 ? "" : "ren"));
@@ -34,15 +46,24 @@ int print_info(const std::string& path) {
   const Scene& s = compiled.scene;
   fmt::print("files\n");
   for (const std::string& file : scene.files) fmt::print("  {}\n", file);
-  fmt::print("counts\n  triangles {}, spheres {}, polygons {}, quadrics {} (stored once each)\n",
-             s.triangle_shading.size(), s.spheres.size(), s.polygons.size(), s.quadrics.size());
+  const size_t triangles = s.triangle_shading.size(), others = s.polygons.size() + s.mesh_faces.size();
+  fmt::print(
+      "counts\n  polygons {} (triangles {}, of more corners {}), spheres {}, quadrics {}, stored once\n",
+      triangles + others, triangles, others, s.spheres.size(), s.quadrics.size());
+  const PrimitiveCounts copies = count_copies(scene);
+  fmt::print("  polygons {}, spheres {}, quadrics {}, each copy counted\n", copies.polygons, copies.spheres,
+             copies.quadrics);
   fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
              s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
+  const bool moves = std::any_of(s.steps.begin(), s.steps.end(), [&](const TransformStepRecord& step) {
+    return s.curves[step.curve].key_count > 1;
+  });
   if (scene.frames)
-    fmt::print("  frames {} to {}{}\n", (*scene.frames)[0], (*scene.frames)[1],
-               !s.moving_instances.empty() ? ", objects move" : "");
+    fmt::print("  frames {} to {}{}{}\n", (*scene.frames)[0], (*scene.frames)[1],
+               moves ? ", objects move" : "", has_changing_links(s) ? ", objects come and go" : "");
   Box box;
-  for (const InstancePose& pose : s.poses) box.grow(pose.bounds);
+  for (const InstancePose& pose : s.poses)
+    if (!pose.is_hidden) box.grow(pose.bounds);
   if (!box.is_empty())
     fmt::print("bounds\n  x {:g} to {:g}, y {:g} to {:g}, z {:g} to {:g}\n", box.lo.x, box.hi.x, box.lo.y,
                box.hi.y, box.lo.z, box.hi.z);

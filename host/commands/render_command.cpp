@@ -5,6 +5,7 @@
 
 #include "common/sampling/sampler.h"
 #include "common/scene/settings_codec.h"
+#include "host/commands/colour_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/net_options.h"
 #include "host/render/output_pattern.h"
@@ -101,11 +102,23 @@ void add_light(Options& options, RenderOptions& o) {
                              "thesis's model: diffuse rays turned at random in each pixel, or the same "
                              "everywhere, as the thesis has "
                              "it: false reflections in place of noise (default: turned)");
-  options.choice<ColourModel>(
-      "--colour", o.settings.colour,
-      {{"meyer4", ColourModel::meyer4}, {"rgb", ColourModel::rgb}, {"spectral20", ColourModel::spectral20}},
-      "what colours are computed as: red, green and blue, or spectra at 4 or 20 "
-      "wavelengths (default: rgb)");
+  options.number("--reflected-rays", o.settings.reflected_rays, 1, kMostLobeRays,
+                 "whitted and thesis: rays that a surface with an `exponent` reflects, spread over its lobe "
+                 "(default: 1, along the mirror direction)");
+  options.number("--transmitted-rays", o.settings.transmitted_rays, 1, kMostLobeRays,
+                 "the same of rays that pass (default: 1, along the refracted direction)");
+  options.choice<GlassShadows>("--glass-shadows", o.settings.glass_shadows,
+                               {{"blocked", GlassShadows::blocked},
+                                {"none", GlassShadows::none},
+                                {"transparent", GlassShadows::transparent}},
+                               "not path: bodies that transmit stop light from sources, cast no shadow, or "
+                               "let it straight on, weakened (default: blocked)");
+  options.choice<AmbientColour>(
+      "--ambient-colour", o.settings.ambient_colour,
+      {{"light", AmbientColour::light}, {"surface", AmbientColour::surface}},
+      "phong, torrance-sparrow and whitted: ambient light has its own colour alone, or is weighed by the "
+      "surface's (default: surface)");
+  add_colour_option(options, o.settings);
   options.number(
       "--max-depth", o.max_depth, 1, kMostDepth,
       "depth of the lighting tree; the eye ray is 1 (default: what the two limits below need, 12; path: "
@@ -179,7 +192,10 @@ void add_net(Options& options, RenderOptions& o) {
   options.flag("!--no-rotation", o.rotates,
                "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
   options.number("--subpolygons", o.subpolygons_per_processor, 1, 1 << 20,
-                 "per node, none narrower than 8 pixels (default: the thesis's 64)");
+                 "per node, as far as the picture has room (default: the thesis's 64)");
+  options.number("--least-side", o.least_side_px, 1, 65536,
+                 "of a subpolygon in pixels (default: 1 on the pixel wire; 8 for blocks, of which smaller "
+                 "ones are mostly header)");
   options.number("--processor-time", o.ray_time_s, 0, 1e3,
                  "emulate slow processors: seconds that a node takes for each ray, mostly asleep "
                  "(default: 0, as fast as it can)");

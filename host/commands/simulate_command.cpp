@@ -1,10 +1,12 @@
 #include <fmt/core.h>
 
 #include <numeric>
+#include <utility>
 
 #include "host/commands/commands.h"
 #include "host/commands/net_options.h"
 #include "host/instrument/cost_map.h"
+#include "host/instrument/missing_subpolygons.h"
 #include "host/process/exit_code.h"
 #include "protocol/messages.h"
 
@@ -17,6 +19,7 @@ struct SimulateOptions {
   Simulation simulation;
   double pixel_time_s = 0;  ///< what a pixel is to cost on average; 0: what the cost map says
   std::vector<int> processors{1, 2, 4, 8, 16, 32};  ///< one row each
+  std::optional<int> least_side_px;                 ///< of a subpolygon; empty: the wire's
   TableFormat format = TableFormat::text;
 };
 
@@ -32,6 +35,7 @@ void note_idle_options(const Simulation& s) {
 int print_simulation(const SimulateOptions& options) {
   Simulation s = options.simulation;
   note_idle_options(s);
+  s.least_side_px = options.least_side_px.value_or(least_side_of(s.form));
   if (options.pixel_time_s > 0) {
     const double mean = std::accumulate(s.cost.pixel_s.begin(), s.cost.pixel_s.end(), 0.0) /
                         static_cast<double>(s.cost.pixel_s.size());
@@ -41,8 +45,13 @@ int print_simulation(const SimulateOptions& options) {
               {"processors", "first_frame_s", "frame_s", "total_s", "speedup", "efficiency", "net_use",
                "waited_s", "messages", "bytes_per_pixel"},
               {}};
+  bool is_told = false;
   for (const int processors : options.processors) {
     s.processors = processors;
+    if (const std::string missing =
+            tell_missing_subpolygons(grid_of(s), processors, s.subpolygons_per_processor, s.least_side_px);
+        !missing.empty() && !std::exchange(is_told, true))
+      fmt::print(stderr, "rayfarm: {}\n", missing);
     const SimulationResult r = simulate(s);
     const double pixels = double(s.cost.width_px) * s.cost.height_px * s.frames;
     table.rows.push_back({double(processors), r.first_frame_s, r.frame_s, r.total_s,
@@ -74,7 +83,6 @@ void add_numbers(Options& options, Simulation& s) {
     options.number(name, target, 0, most, help);
   };
   count("--subpolygons", s.subpolygons_per_processor, 1, "per processor (default: 64)");
-  count("--least-side", s.least_side_px, 1, "of a subpolygon in pixels (default: 1; a render's is 8)");
   count("--frames-open", s.frames_open, 1, "at once (default: 3)");
   count("--pixels-per-message", s.pixels_per_message, 1, "of the pixel wire (default: 1)");
   count("--held", s.messages_held, 0,
@@ -116,6 +124,8 @@ void add_simulate_command(CommandLine& line) {
   add_rate(options, s.rate_bit_per_s);
   add_sets(options, s.sets);
   options.flag("!--no-rotation", s.rotates, "interleaved: each processor keeps its set in every frame");
+  options.number("--least-side", o->least_side_px, 1, kMostCount,
+                 "of a subpolygon in pixels (default: as a render's, 1 on the pixel wire and 8 for blocks)");
   add_numbers(options, s);
   add_format(options, o->format);
 }

@@ -1,6 +1,7 @@
 #include "host/farm/assignment.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace rayfarm {
 
@@ -9,8 +10,30 @@ Assignment::Assignment(const AssignmentOptions& options, double now)
       steps_(static_cast<size_t>(options.steps)),
       nodes_(static_cast<size_t>(options.nodes)) {
   for (NodeState& node : nodes_) node.heard = node.freed = now;
+  for (NodeId node(1); node.value() <= options_.nodes; ++node) update_room(node);
   open_steps(now);
   hand_out(now);
+}
+
+int Assignment::Item::holder_count() const {
+  return static_cast<int>(
+      std::count_if(holders.begin(), holders.end(), [](NodeId n) { return n != NodeId(); }));
+}
+
+bool Assignment::Item::is_held_by(NodeId node) const {
+  return std::find(holders.begin(), holders.end(), node) != holders.end();
+}
+
+void Assignment::Item::add_holder(NodeId node) {
+  NodeId& place = holders[0] == NodeId() ? holders[0] : holders[1];
+  place = node;
+}
+
+bool Assignment::Item::drop_holder(NodeId node) {
+  const auto place = std::find(holders.begin(), holders.end(), node);
+  if (place == holders.end()) return false;
+  *place = NodeId();
+  return true;
 }
 
 int Assignment::nodes_alive() const {
@@ -35,7 +58,8 @@ void Assignment::open_steps(double now) {
       const NodeId owner = options_.owner_of ? options_.owner_of(index) : NodeId();
       if (options_.owner_of && !node_state(owner).is_lost) {
         item.state = State::held;
-        item.holders = {owner};
+        item.add_holder(owner);
+        node_state(owner).own.push_back(index);
         ++node_state(owner).own_left;
       } else {
         item.state = State::waiting;
@@ -57,22 +81,42 @@ std::optional<ItemIndex> Assignment::next_waiting() {
   return std::nullopt;
 }
 
-std::optional<ItemIndex> Assignment::oldest_held_by_another(NodeId node, double now) {
+/// A node works through what it holds: it has had the first of it in hand since it last returned something.
+std::vector<NodeId> Assignment::nodes_that_are_slow(double now) const {
+  std::vector<NodeId> slow;
+  for (NodeId node(1); node.value() <= options_.nodes; ++node) {
+    const NodeState& state = nodes_[node.place() - 1];
+    const bool has_work = !state.assigned.empty() || state.own_left > 0;
+    if (!state.is_lost && has_work && now - state.freed >= options_.duplicate_after_s) slow.push_back(node);
+  }
+  return slow;
+}
+
+bool Assignment::is_done(ItemIndex item) {
+  return at(step_of(item)).is_over || at(item).state == State::done;
+}
+
+bool Assignment::is_held_alone(ItemIndex item, NodeId by) {
+  return !is_done(item) && at(item).holder_count() == 1 && at(item).is_held_by(by);
+}
+
+std::optional<ItemIndex> Assignment::oldest_held_by(std::span<const NodeId> others, NodeId node, double now) {
   std::optional<ItemIndex> best;
-  for (StepIndex s; s < opened_; ++s) {
-    if (at(s).is_over) continue;
-    ItemIndex index = first_of(s);
-    for (const Item& candidate : at(s).items) {
-      const ItemIndex item = index;
-      ++index;
-      if (candidate.state != State::held || candidate.holders.size() != 1 || candidate.holders[0] == node)
-        continue;
-      // A node works through what it holds: it has had this one in hand since it last returned something.
-      const double since = std::max(candidate.since, node_state(candidate.holders[0]).freed);
-      if (now - since < options_.duplicate_after_s) continue;
-      if (!best || candidate.since < at(*best).since) best = item;
-    }
-    if (best) return best;  // earlier steps first: they hold the window
+  const auto consider = [&](ItemIndex item) {
+    // Earlier steps first: they hold the window.
+    const auto key = [this](ItemIndex i) { return std::tuple(step_of(i), at(i).since, i); };
+    if (!best || key(item) < key(*best)) best = item;
+  };
+  for (const NodeId other : others) {
+    if (other == node) continue;
+    NodeState& state = node_state(other);
+    const auto is_old = [&](ItemIndex i) { return now - at(i).since >= options_.duplicate_after_s; };
+    for (const ItemIndex item : state.assigned)
+      if (is_held_alone(item, other) && is_old(item)) consider(item);
+    while (!state.own.empty() && is_done(state.own.front())) state.own.pop_front();
+    const auto first = std::find_if(state.own.begin(), state.own.end(),
+                                    [&](ItemIndex item) { return is_held_alone(item, other); });
+    if (first != state.own.end() && is_old(*first)) consider(*first);
   }
   return best;
 }
@@ -81,33 +125,47 @@ void Assignment::give(NodeId node, ItemIndex index, double now) {
   Item& item = at(index);
   item.state = State::held;
   item.since = now;
-  item.holders.push_back(node);
+  item.add_holder(node);
   node_state(node).assigned.push_back(index);
+  update_room(node);
   actions_.emplace_back(AssignItem{node, index});
+}
+
+void Assignment::update_room(NodeId node) {
+  for (int n = 0; n < options_.held_per_node; ++n) with_room_.erase({static_cast<size_t>(n), node});
+  const NodeState& state = node_state(node);
+  if (!state.is_lost && static_cast<int>(state.assigned.size()) < options_.held_per_node)
+    with_room_.insert({state.assigned.size(), node});
 }
 
 void Assignment::hand_out(double now) {
   // Round by round, so that every node has one before any has two.
-  for (int round = 1; round <= options_.held_per_node; ++round)
-    for (NodeId node(1); node.value() <= options_.nodes; ++node) {
-      NodeState& state = node_state(node);
-      if (state.is_lost || static_cast<int>(state.assigned.size()) >= round) continue;
-      auto item = next_waiting();
-      if (item && at(*item).failed_at == node && nodes_alive() > 1) {
-        // What failed at a node goes to another, if there is one: this node takes the next.
-        const ItemIndex failed = *item;
-        item = next_waiting();
-        waiting_.push_front(failed);
-        if (!item) continue;
+  for (auto place = with_room_.begin(); place != with_room_.end();) {
+    const auto [count, node] = *place;
+    auto item = next_waiting();
+    if (item && at(*item).failed_at == node && nodes_alive() > 1) {
+      // What failed at a node goes to another, if there is one: this node takes the next.
+      const ItemIndex failed = *item;
+      item = next_waiting();
+      waiting_.push_front(failed);
+      if (!item) {
+        ++place;
+        continue;
       }
-      if (!item) break;
-      give(node, *item, now);
     }
-  for (NodeId node(1); node.value() <= options_.nodes; ++node) {
-    NodeState& state = node_state(node);
-    if (state.is_lost || !state.assigned.empty() || state.own_left > 0) continue;
-    if (const auto item = oldest_held_by_another(node, now)) give(node, *item, now);
+    if (!item) return;
+    give(node, *item, now);
+    place = with_room_.upper_bound({count, node});
   }
+}
+
+void Assignment::help(NodeId node, std::span<const NodeId> slow, double now) {
+  if (!node_state(node).is_idle()) return;
+  if (const auto item = oldest_held_by(slow, node, now)) give(node, *item, now);
+}
+
+void Assignment::help_if_idle(NodeId node, double now) {
+  if (node_state(node).is_idle()) help(node, nodes_that_are_slow(now), now);
 }
 
 void Assignment::hear(NodeId node, double now) {
@@ -117,14 +175,17 @@ void Assignment::hear(NodeId node, double now) {
   if (!state.is_lost) return;
   state.is_lost = false;
   state.freed = now;
+  update_room(node);
   actions_.emplace_back(NodeReturned{node});
   hand_out(now);
+  help_if_idle(node, now);
 }
 
 void Assignment::finish_item(ItemIndex index) {
   Item& item = at(index);
   for (const NodeId holder : item.holders) {
-    if (is_own(holder, index) && !node_state(holder).is_lost) --node_state(holder).own_left;
+    if (holder != NodeId() && is_own(holder, index) && !node_state(holder).is_lost)
+      --node_state(holder).own_left;
   }
   item.holders = {};
   item.state = State::done;
@@ -140,6 +201,7 @@ bool Assignment::accept(NodeId node, ItemIndex item, double now) {
   NodeState& state = node_state(node);
   state.freed = now;
   std::erase(state.assigned, item);
+  update_room(node);
   Step& step = at(step_of(item));
   const bool is_news = !step.is_over && at(item).state != State::done;
   if (is_news) {
@@ -150,6 +212,7 @@ bool Assignment::accept(NodeId node, ItemIndex item, double now) {
     }
   }
   hand_out(now);
+  help_if_idle(node, now);
   return is_news;
 }
 
@@ -157,6 +220,7 @@ void Assignment::fail(NodeId node, ItemIndex index, const std::string& problem, 
   if (!is_credible(node, index)) return;
   hear(node, now);
   std::erase(node_state(node).assigned, index);
+  update_room(node);
   Step& step = at(step_of(index));
   if (!step.is_over && at(index).state != State::done) {
     Item& item = at(index);
@@ -166,15 +230,16 @@ void Assignment::fail(NodeId node, ItemIndex index, const std::string& problem, 
       for (ItemIndex i = first_of(failed); i < first_of(StepIndex(failed.value() + 1)); ++i) finish_item(i);
       actions_.emplace_back(StepFailed{failed, problem});
     } else {
-      if (std::erase(item.holders, node) > 0 && is_own(node, index)) --node_state(node).own_left;
+      if (item.drop_holder(node) && is_own(node, index)) --node_state(node).own_left;
       item.failed_at = node;
-      if (item.holders.empty()) {
+      if (item.holder_count() == 0) {
         item.state = State::waiting;
         waiting_.push_front(index);
       }
     }
   }
   hand_out(now);
+  help_if_idle(node, now);
 }
 
 void Assignment::mark_lost(NodeId node, double now) {
@@ -183,14 +248,16 @@ void Assignment::mark_lost(NodeId node, double now) {
   state.is_lost = true;
   actions_.emplace_back(NodeLost{node, !state.assigned.empty() || state.own_left > 0, state.is_expelled});
   state.own_left = 0;
+  state.own.clear();
   state.assigned.clear();
+  update_room(node);
   std::deque<ItemIndex> orphans;
   for (StepIndex s; s < opened_; ++s) {
     if (at(s).is_over) continue;
     ItemIndex index = first_of(s);
     for (Item& item : at(s).items) {
-      const bool was_its = item.state == State::held && std::erase(item.holders, node) > 0;
-      if (was_its && item.holders.empty()) {  // else another has it too
+      const bool was_its = item.state == State::held && item.drop_holder(node);
+      if (was_its && item.holder_count() == 0) {  // else another has it too
         item.state = State::waiting;
         orphans.push_back(index);
       }
@@ -232,6 +299,9 @@ void Assignment::tick(double now) {
     if (now - node_state(node).heard > options_.lost_after_s) mark_lost(node, now);
   give_up_without_nodes(now);
   hand_out(now);
+  const std::vector<NodeId> slow = nodes_that_are_slow(now);
+  if (slow.empty()) return;
+  for (NodeId node(1); node.value() <= options_.nodes; ++node) help(node, slow, now);
 }
 
 }  // namespace rayfarm

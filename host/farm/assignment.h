@@ -8,9 +8,12 @@
 //  - interleaved (thesis 4.4.4.2): each node knows its own items; only what a lost node leaves behind is
 //  handed
 //    out.
+#include <array>
 #include <deque>
 #include <functional>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -88,12 +91,18 @@ class Assignment {
 
  private:
   enum class State : uint8_t { closed, waiting, held, done };
+  /// 24 bytes: a frame may be cut into as many items as it has pixels.
   struct Item {
+    double since = 0;               ///< when it was last handed out
+    std::array<NodeId, 2> holders;  ///< owners of interleaved items too; node 0 holds nothing
+    NodeId failed_at;               ///< the node at which the last try failed: another tries next
+    uint8_t tries = 0;
     State state = State::closed;
-    int tries = 0;
-    NodeId failed_at;             ///< the node at which the last try failed: another tries next
-    double since = 0;             ///< when it was last handed out
-    std::vector<NodeId> holders;  ///< owners of interleaved items too
+
+    int holder_count() const;
+    bool is_held_by(NodeId node) const;
+    void add_holder(NodeId node);
+    bool drop_holder(NodeId node);  ///< false: it was none
   };
   struct Step {
     std::vector<Item> items;
@@ -107,16 +116,26 @@ class Assignment {
     double heard = 0;
     double freed = 0;                 ///< when it last returned something
     std::vector<ItemIndex> assigned;  ///< handed out by the host, not yet returned
-    int own_left = 0;                 ///< of its own items in open steps
+    /// Interleaved: its own items of open steps, in order, those left out that are done at the beginning.
+    std::deque<ItemIndex> own;
+    int own_left = 0;  ///< of them, not yet done
+
+    bool is_idle() const { return !is_lost && assigned.empty() && own_left == 0; }
   };
 
   /// A word of a node that is heard, about work that there is.
   bool is_credible(NodeId node, ItemIndex item);
   void open_steps(double now);
   void hand_out(double now);
+  void help(NodeId node, std::span<const NodeId> slow, double now);
+  void help_if_idle(NodeId node, double now);
+  void update_room(NodeId node);
   void give(NodeId node, ItemIndex item, double now);
   std::optional<ItemIndex> next_waiting();
-  std::optional<ItemIndex> oldest_held_by_another(NodeId node, double now);
+  std::vector<NodeId> nodes_that_are_slow(double now) const;
+  std::optional<ItemIndex> oldest_held_by(std::span<const NodeId> others, NodeId node, double now);
+  bool is_done(ItemIndex item);
+  bool is_held_alone(ItemIndex item, NodeId by);
   void finish_item(ItemIndex item);
   void mark_lost(NodeId node, double now);
   void give_up_without_nodes(double now);
@@ -137,6 +156,8 @@ class Assignment {
   std::vector<Step> steps_;
   std::vector<NodeState> nodes_;
   std::deque<ItemIndex> waiting_;
+  /// Nodes that may be given more, those first that have least: how many each is assigned, and which it is.
+  std::set<std::pair<size_t, NodeId>> with_room_;
   std::vector<Action> actions_;
   StepIndex opened_;  ///< steps before this are open or over
   int released_ = 0;  ///< how many steps are released

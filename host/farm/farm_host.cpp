@@ -46,7 +46,7 @@ FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResu
     index_of_frame_[frame.frame] = i;
     frame.file = options.files[i.place()];
     frame.traced_by.assign(static_cast<size_t>(pictures_.items_per_step()), NodeId());
-    frame.costs.resize(frame.traced_by.size());
+    if (options.keeps_costs) frame.costs.resize(frame.traced_by.size());
     result_.frames.push_back(frame);
   }
 }
@@ -231,7 +231,8 @@ void FarmHost::keep_result(NodeId node, const SubpolygonReport& report, std::spa
                 pixels.data() + y * width * pixel_bytes, width * pixel_bytes);
   FrameResult& frame_result = result_.frames[pictures_.frame_of(item).place()];
   frame_result.traced_by[report.subpolygon.place()] = node;
-  frame_result.costs[report.subpolygon.place()] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
+  if (options_.keeps_costs)
+    frame_result.costs[report.subpolygon.place()] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
   frame_result.sees_anything |= report.sees_anything;
   frame_result.not_finite += report.not_finite;
   frame_result.rays += rays;

@@ -21,6 +21,7 @@ struct FarmHostOptions {
   std::vector<std::string> files;                 ///< one per frame of the pictures
   double node_timeout_s = liveness::kNodeTimeout_s;
   int window_frames = 3;           ///< in memory at a time
+  bool keeps_costs = false;        ///< what each subpolygon took, in the result
   std::vector<ProcessSign> signs;  ///< of the nodes, in order; empty: none can be lost alone
   ProgressStyle progress = ProgressStyle::automatic;
 };

@@ -53,8 +53,7 @@ class Simulator {
  public:
   explicit Simulator(const Simulation& s)
       : s_(s),
-        grid_(make_grid(0, 0, s.cost.width_px, s.cost.height_px, s.processors, s.subpolygons_per_processor,
-                        s.least_side_px)),
+        grid_(grid_of(s)),
         processors_(static_cast<size_t>(s.processors)),
         nets_(static_cast<size_t>(s.nets)),
         host_out_(nets_.size()),
@@ -359,6 +358,11 @@ class Simulator {
 };
 
 }  // namespace
+
+SubpolygonGrid grid_of(const Simulation& s) {
+  return make_grid(0, 0, s.cost.width_px, s.cost.height_px, s.processors, s.subpolygons_per_processor,
+                   s.least_side_px);
+}
 
 SimulationResult simulate(const Simulation& simulation) {
   check(simulation);

@@ -28,6 +28,11 @@ enum class ResultForm {
   compressed  ///< a block of what its cells say
 };
 
+/// As least_side_of a wire.
+constexpr int least_side_of(ResultForm form) {
+  return least_side_of(form == ResultForm::pixels ? Wire::pixel : Wire::block);
+}
+
 struct Simulation {
   int processors = 1;
   int frames = 1;
@@ -54,6 +59,9 @@ struct Simulation {
   std::vector<double> time_factors;  ///< of the processors, in turn: 2 is half as fast; empty: all 1
   CostMap cost;
 };
+
+/// How the picture is cut.
+SubpolygonGrid grid_of(const Simulation& simulation);
 
 struct SimulatedFrame {
   double end_s = 0;  ///< its last pixel is stored, from the start of the job

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/scene/settings_codec.h"
+#include "host/instrument/missing_subpolygons.h"
 #include "host/process/exit_code.h"
 #include "host/process/memory.h"
 #include "host/render/output_pattern.h"
@@ -40,21 +41,24 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
   return s;
 }
 
-int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes) {
+int choose_window(const RenderSettings& settings, size_t frames, int subpolygons, size_t other_bytes) {
   constexpr int kMostFrames = 3;
-  constexpr double kShare = 0.9;  // of what is free: files are written through buffers
+  constexpr double kShare = 0.9;           // of what is free: files are written through buffers
+  constexpr double kSubpolygonBytes = 64;  // of the assignment, and of who traced it
   const double frame_bytes = static_cast<double>(settings.crop.area()) *
-                             static_cast<double>(make_pixel_layout(settings.pixel_format).bytes);
+                                 static_cast<double>(make_pixel_layout(settings.pixel_format).bytes) +
+                             kSubpolygonBytes * subpolygons;
   const uint64_t free_bytes = available_memory_bytes();
   const auto available = static_cast<double>(free_bytes - std::min<uint64_t>(other_bytes, free_bytes));
   const double fit = kShare * available / frame_bytes;
   if (fit < 1)
     throw JobError(
         kRenderFailure,
-        fmt::format("a frame of {}×{} pixels as {} takes {:.2f} GiB on the host, of which {:.2f} GiB "
-                    "are free; render parts of it (--crop), or take a smaller --pixel-format",
+        fmt::format("a frame of {}×{} pixels as {} in {} subpolygons takes {:.2f} GiB on the host, of which "
+                    "{:.2f} GiB are free; render parts of it (--crop), or take a smaller --pixel-format or "
+                    "fewer --subpolygons",
                     settings.crop.width(), settings.crop.height(), name_of(settings.pixel_format),
-                    frame_bytes / (1 << 30), available / (1 << 30)));
+                    subpolygons, frame_bytes / (1 << 30), available / (1 << 30)));
   return static_cast<int>(std::min({double(kMostFrames), double(frames), fit}));
 }
 
@@ -71,7 +75,7 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   const size_t pixel_bytes = options.wire == Wire::pixel ? kPixelBytes : layout.bytes;
   const SubpolygonGrid grid = make_grid(
       settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
-      options.subpolygons_per_processor, kLeastSide_px, kMostSubpolygonBytes / pixel_bytes);
+      options.subpolygons_per_processor, options.least_side(), kMostSubpolygonBytes / pixel_bytes);
   plan.phases = {PicturesPhase{std::move(frames), grid}};
   plan.sets = options.sets;
   plan.rotates = options.rotates;
@@ -81,6 +85,21 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   plan.time_factors = options.time_factors;
   return plan;
 }
+
+std::vector<std::string> name_limits(const RenderOptions& options, const SubpolygonGrid& grid,
+                                     int processors) {
+  // On demand they are pieces of work, of which any number will do.
+  const int each = options.subpolygons_per_processor;
+  if (options.policy == AssignmentPolicy::on_demand && each == kSubpolygonsPerProcessor) return {};
+  const std::string note = tell_missing_subpolygons(grid, processors, each, options.least_side());
+  return note.empty() ? std::vector<std::string>{} : std::vector{note};
+}
+
+namespace {
+bool has_lighting_tree(LightingModel model) {
+  return model == LightingModel::whitted || model == LightingModel::thesis;
+}
+}  // namespace
 
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process) {
   std::vector<std::string> notes;
@@ -95,10 +114,19 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
   if (is_local && (options.max_depth || options.max_reflections || options.max_transmissions))
     notes.emplace_back(
         "--max-depth, --max-reflections and --max-transmissions belong to models that follow light beyond "
-        "what "
-        "the eye sees (path, thesis, whitted), and do nothing here");
+        "what the eye sees (path, thesis, whitted), and do nothing here");
   if ((is_local || s.lighting == LightingModel::path) && s.min_weight != usual.min_weight)
     notes.emplace_back("--min-weight belongs to --lighting thesis and whitted, and does nothing here");
+  if (!has_lighting_tree(s.lighting) && (s.reflected_rays > 1 || s.transmitted_rays > 1))
+    notes.emplace_back(
+        "--reflected-rays and --transmitted-rays belong to --lighting whitted and thesis, and do nothing "
+        "here");
+  if (s.lighting == LightingModel::path && s.glass_shadows != GlassShadows::blocked)
+    notes.emplace_back("--glass-shadows does nothing in --lighting path, which follows light through glass");
+  if (s.ambient_colour != AmbientColour::surface &&
+      (s.lighting == LightingModel::thesis || s.lighting == LightingModel::path))
+    notes.emplace_back(
+        "--ambient-colour belongs to --lighting phong, torrance-sparrow and whitted, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && !options.rotates)
     notes.emplace_back("--no-rotation belongs to --assign interleaved, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && options.sets != SetPattern::lattice)
@@ -106,6 +134,49 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
   if (options.local_nodes > 0 && !is_one_process)
     notes.emplace_back("--local-nodes does nothing under mpirun: every rank but the host is a node");
   return notes;
+}
+
+std::vector<std::string> name_idle_spectra(const RenderSettings& settings, const Scene& scene) {
+  const bool has_spectra = std::any_of(
+      scene.spectral_colors.begin(), scene.spectral_colors.end(),
+      [](const SpectralColor& c) { return c.field != SpectralField::n && c.field != SpectralField::k; });
+  if (settings.colour != ColourModel::rgb || !has_spectra) return {};
+  return {
+      "the scene gives colours as spectra, of which --colour rgb takes the red, green and blue; --colour "
+      "spectral computes with the spectra themselves"};
+}
+
+std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneDescription& scene) {
+  const auto have = [&scene](auto is_one) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), is_one);
+  };
+  std::vector<std::string> notes;
+  if (has_lighting_tree(s.lighting)) {
+    if (s.reflected_rays > 1 && !have([](const Material& m) {
+          return m.exponent > 0 && m.reflect + m.transmit > 0 && has_reflected_rays(m);
+        }))
+      notes.emplace_back("--reflected-rays does nothing here: no material that reflects has an `exponent`");
+    if (s.transmitted_rays > 1 && !have([](const Material& m) { return m.exponent > 0 && m.transmit > 0; }))
+      notes.emplace_back(
+          "--transmitted-rays does nothing here: no material that transmits has an `exponent`");
+  }
+  if (s.glass_shadows != GlassShadows::blocked && s.lighting != LightingModel::path &&
+      !have([](const Material& m) { return m.transmit > 0; }))
+    notes.emplace_back("--glass-shadows does nothing here: no material transmits light");
+  return notes;
+}
+
+std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene) {
+  const auto is_gouraud = [](const auto& polygon) {
+    return polygon.smoothing == static_cast<uint32_t>(Smoothing::gouraud);
+  };
+  const auto any = [&](const auto& polygons) {
+    return std::any_of(polygons.begin(), polygons.end(), is_gouraud);
+  };
+  if (settings.lighting == LightingModel::path &&
+      (any(scene.triangle_shading) || any(scene.polygons) || any(scene.mesh_faces)))
+    return {"`smooth: gouraud` belongs to the classical lighting models; `path` interpolates the normals"};
+  return {};
 }
 
 }  // namespace rayfarm

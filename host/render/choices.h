@@ -4,6 +4,7 @@
 
 #include "common/description/scene_description.h"
 #include "common/scene/render_settings.h"
+#include "common/scene/scene.h"
 #include "host/render/render_options.h"
 
 namespace rayfarm {
@@ -15,12 +16,24 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
 
 /// Frames that are begun but not written: so many fit into memory beside `other_bytes` that are still to be
 /// taken, at most as many as are of use. Throws JobError if not even one does.
-int choose_window(const RenderSettings& settings, size_t frames, size_t other_bytes);
+int choose_window(const RenderSettings& settings, size_t frames, int subpolygons, size_t other_bytes);
 
 JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
                   std::vector<FrameNumber> frames, int processors);
 
+/// Names what the picture leaves of the subpolygons asked for, if anything is missing.
+std::vector<std::string> name_limits(const RenderOptions& options, const SubpolygonGrid& grid,
+                                     int processors);
+
 /// Names options that do nothing beside others. `is_one_process`: host and nodes share it.
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);
+/// Names those that could do something, but not in this scene.
+std::vector<std::string> name_idle_options(const RenderSettings& settings, const SceneDescription& scene);
+
+/// What the scene asks for in vain from the chosen lighting model.
+std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene);
+
+/// The same of spectra of the scene that the colour model does without.
+std::vector<std::string> name_idle_spectra(const RenderSettings& settings, const Scene& scene);
 
 }  // namespace rayfarm

@@ -120,6 +120,9 @@ class Render {
     for (const std::string& note : loaded_->compiled.notes.lines()) log_->warn(note);
 
     const RenderSettings settings = choose_settings(options_, loaded_->description);
+    for (const std::string& note : name_idle_options(settings, loaded_->description)) log_->warn(note);
+    for (const std::string& note : name_idle_shading(settings, loaded_->compiled.scene)) log_->warn(note);
+    for (const std::string& note : name_idle_spectra(settings, loaded_->compiled.scene)) log_->warn(note);
     FarmHostOptions farm_options;
     farm_options.attributes = make_attributes(settings, loaded_->compiled.block.bytes());
     std::vector<FrameNumber> frames;
@@ -135,11 +138,12 @@ class Render {
       return kComplete;
     }
     farm_options.window_frames = choose_window(
-        settings, frames.size(),
+        settings, frames.size(), grid.count(),
         farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size);  // the machine's copy
     if (options_.wire == Wire::pixel && natural_format(options_.output) != PixelFormat::rgb8)
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
     log_->debug("{} nodes, {} × {} subpolygons", plan.processors, grid.columns, grid.rows);
+    for (const std::string& note : name_limits(options_, grid, plan.processors)) log_->warn(note);
     make_output_folders(options_);
 
     const double broadcast_begin = now_s();
@@ -153,6 +157,7 @@ class Render {
 
     farm_options.image = {
         settings.width_px, settings.height_px, settings.crop, make_pixel_layout(settings.pixel_format), {}};
+    farm_options.keeps_costs = !options_.cost_map.empty();
     farm_options.node_timeout_s = options_.node_timeout_s;
     farm_options.signs = roll_call.signs();
     farm_options.progress = options_.is_quiet ? ProgressStyle::none : options_.progress;

@@ -30,6 +30,7 @@ struct RenderOptions {
   SetPattern sets = SetPattern::lattice;  ///< interleaved
   bool rotates = true;                    ///< interleaved: sets move on from frame to frame
   int subpolygons_per_processor = kSubpolygonsPerProcessor;
+  std::optional<int> least_side_px;  ///< of a subpolygon; empty: the wire's
   double ray_time_s = 0;             ///< of emulated processors; 0: none
   std::vector<double> time_factors;  ///< of emulated processors
   SplitRule split_rule = SplitRule::sah;
@@ -39,6 +40,7 @@ struct RenderOptions {
   bool skip_existing = false;
   std::string stats, cost_map;
   ProgressStyle progress = ProgressStyle::automatic;
+  int least_side() const { return least_side_px.value_or(least_side_of(wire)); }
   bool is_quiet = false, is_verbose = false, is_full_report = false;
 };
 

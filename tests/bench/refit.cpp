@@ -1,18 +1,19 @@
-// What a new frame costs before its first ray: the poses of moving objects and the refit of the boxes over
-// them.
+// What a new frame costs before its first ray: the poses of moving objects, the links to those that come and
+// go, and the refit of the boxes over them (thesis, Table 4.6: "Obj/Vol Update").
 #include <benchmark/benchmark.h>
 
 #include <random>
 
 #include "common/compile/compile.h"
 #include "common/hierarchy/frame_state.h"
+#include "common/lighting/frame_lights.h"
 
 namespace {
 
 using namespace rayfarm;
 
-/// Spheres of a shared object, each on its own straight way.
-CompiledScene make_swarm(int64_t objects) {
+/// Spheres of a shared object, each on its own straight way; or each where it is, there in every other frame.
+CompiledScene make_swarm(int64_t objects, bool comes_and_goes = false) {
   SceneDescription scene;
   scene.files = {"swarm"};
   scene.materials.emplace_back();
@@ -26,7 +27,17 @@ CompiledScene make_swarm(int64_t objects) {
     step.curve.frames = {0, 100};
     for (int key = 0; key < 2; ++key)
       step.curve.values.emplace_back(place(random), place(random), place(random), 0);
-    root.children.push_back({1, {step}, {}});
+    if (!comes_and_goes) {
+      root.children.push_back({1, {step}, {}, {}});
+      continue;
+    }
+    step.curve = constant_curve(step.curve.values[0]);
+    Curve visible{Interpolation::step, {}, {}};
+    for (int frame = 0; frame <= 100; ++frame) {
+      visible.frames.push_back(frame);
+      visible.values.emplace_back((frame + i) % 2, 0, 0, 0);
+    }
+    root.children.push_back({1, {step}, {}, visible});
   }
   scene.objects = {root, ball};
   scene.frames = {0, 100};
@@ -43,6 +54,18 @@ void refit_frame(benchmark::State& state) {
   }
 }
 BENCHMARK(refit_frame)->Arg(10)->Arg(1000)->Arg(100000)->Unit(benchmark::kMicrosecond);
+
+void links_frame(benchmark::State& state) {
+  const CompiledScene compiled = make_swarm(state.range(0), true);
+  FrameState pose(compiled.scene);
+  double frame = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(pose.at(frame));
+    benchmark::DoNotOptimize(make_frame_lights(compiled.scene, frame));
+    frame = frame < 100 ? frame + 1 : 0;
+  }
+}
+BENCHMARK(links_frame)->Arg(10)->Arg(1000)->Arg(100000)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 

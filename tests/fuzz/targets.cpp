@@ -52,13 +52,15 @@ std::vector<std::string> scene_seeds(const char* extension) {
   for (const auto& entry : std::filesystem::directory_iterator(RAYFARM_SOURCE "/scenes"))
     if (entry.path().extension() == extension && entry.file_size() < 20'000)
       seeds.push_back(read_file(entry.path(), limits::kFileBytes));
+  if (extension == std::string(".yaml"))  // solids and meshes
+    seeds.push_back(read_file(RAYFARM_SOURCE "/tests/golden/scenes/meshes.yaml", limits::kFileBytes));
   std::sort(seeds.begin(), seeds.end());
   return seeds;
 }
 
 constexpr const char* kObj =
     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 1\nusemtl a\ns 1\n"
-    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\ng x\no y\nf 1//1 2//1 3//1\n";
+    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\nf 1 2 3 4 2\ng x\no y\nf 1//1 2//1 3//1\n";
 constexpr const char* kMtl =
     "newmtl a\nKd 1 .5 0\nKs .2 .2 .2\nNs 20\nillum 3\nd 0.5\nNi 1.5\nmap_Kd -o 0.1 0 -s 2 2 t.png\nKe 0 0 "
     "0\n";
@@ -70,6 +72,22 @@ constexpr const char* kNff =
     "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
 constexpr const char* kIes =
     "IESNA:LM-63-2002\n[TEST] x\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n100 50 0\n";
+
+constexpr const char* kYamlArray =
+    "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\ntextures: {t: {kind: array, file: in.npy, scale: "
+    "0.3}}\n"
+    "materials: {m: {color: 1, texture: t, bump: {texture: t, height: 0.1}}}\n"
+    "scene: [{material: m, sphere: {center: [0, 0, 0], radius: 1}}]\n";
+std::vector<std::string> npy_seeds() {
+  std::vector<std::string> seeds;
+  for (const auto& [kind, shape, bytes] : {std::tuple("<f4', 'fortran_order': False", "(2, 3, 2)", 48),
+                                           {"|u1', 'fortran_order': True", "(2, 2, 1, 3)", 12}}) {
+    const std::string header = fmt::format("{{'descr': '{}, 'shape': {}, }}\n", kind, shape);
+    seeds.push_back(std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size()) + '\0' + header +
+                    std::string(static_cast<size_t>(bytes), '\0'));
+  }
+  return seeds;
+}
 
 Bytes zeros(size_t n) {
   return Bytes(n);
@@ -159,6 +177,13 @@ void read_images(const Folder& folder, const std::string& bytes) {
   for (int y = 0; y < reader.height_px(); ++y) reader.next_row();
 }
 
+std::vector<std::string> settings_seeds() {
+  RenderSettings spectral;
+  spectral.colour = ColourModel::spectral;
+  spectral.colour_nodes_nm = {400, 500, 600, 700};
+  return {text_of(encode_settings(RenderSettings())), text_of(encode_settings(spectral))};
+}
+
 SceneBlock block_of(const std::string& bytes) {
   SceneBlock block;
   block.size = bytes.size();
@@ -169,7 +194,7 @@ SceneBlock block_of(const std::string& bytes) {
 
 std::vector<std::string> block_seeds() {
   std::vector<std::string> seeds;
-  for (const char* name : {"primitives", "animation", "materials"}) {
+  for (const char* name : {"primitives", "animation", "materials", "tiles", "glasses", "gloss"}) {
     const CompiledScene compiled =
         compile(load_scene(std::string(RAYFARM_SOURCE "/scenes/") + name + ".yaml"));
     if (compiled.block.size < 1 << 18) seeds.push_back(text_of(compiled.block.bytes()));
@@ -221,6 +246,9 @@ std::vector<Target> make_targets(const std::string& path) {
         "use: ",
         "transform: ",
         "mesh: {file: a.obj}",
+        "mix: {a: a, b: b, by: t}",
+        "{spectrum: [[400, 0.5]]}",
+        "kind: array",
         "image: t.png",
         "1e-300",
         "99999999999"}},
@@ -254,6 +282,14 @@ std::vector<Target> make_targets(const std::string& path) {
        },
        {kIes},
        {" ", "\n", "TILT=NONE\n", "TILT=INCLUDE\n", "99999999 ", "-1 ", "nan ", "1e308 ", "[X] y\n"}},
+      {"npy",
+       [folder](const std::string& bytes) {
+         folder.write("in.npy", bytes);
+         render_file(folder.write("npy.yaml", kYamlArray));
+       },
+       npy_seeds(),
+       {"(", ")", ", ", "'<f8'", "'|u1'", "'<u2'", "'<f2'", "True", "False", "'shape': (1, 1, 1)",
+        "99999999999", "1", "3"}},
       {"image", [folder](const std::string& bytes) { read_images(folder, bytes); }, image_seeds(folder), {}},
       {"message", decode_messages, message_seeds(), {}},
       {"block",
@@ -272,10 +308,7 @@ std::vector<Target> make_targets(const std::string& path) {
        },
        {text_of(encode_plan(make_plan()))},
        {}},
-      {"settings",
-       [](const std::string& bytes) { decode_settings(bytes_of(bytes)); },
-       {text_of(encode_settings(RenderSettings()))},
-       {}},
+      {"settings", [](const std::string& bytes) { decode_settings(bytes_of(bytes)); }, settings_seeds(), {}},
       {"scene",
        [](const std::string& bytes) {
          const SceneBlock block = block_of(bytes);

@@ -71,6 +71,20 @@ class Usage(JobTest):
                                     ("--frames", "1-3", "####"), ("--crop", "1,2,3", "x0,x1,y0,y1"), ("--max-depth", "0", "max-depth")):
             self.expect(2, "render", SCENE, "-o", self.folder / "a.png", option, value, says=[says])
 
+    def test_wavelengths_of_colour(self):
+        for value, says in (("spectra", "did you mean 'spectral'?"), ("meyer4:3", "spectral:N"), ("spectral:", "after the colon"),
+                            ("spectral:400,x", "after the colon"), ("spectral:3", "from 4 to 500"), ("spectral:501", "from 4 to 500"),
+                            ("spectral:4.5", "from 4 to 500"), ("spectral:500,400,600", "must rise"),
+                            ("spectral:400,410,420", "tell red, green and blue apart"), ("spectral:100,500,600", "from 380 to 730")):
+            self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--colour", value, says=[says])
+
+    def test_spectra_in_rgb_are_noted(self):
+        chart = SCENES / "chart.yaml"
+        note = "--colour rgb takes the red, green and blue"
+        self.expect(0, "render", chart, "-o", self.folder / "a.png", "--size", "6x4", says=[note])
+        result = self.expect(0, "render", chart, "-o", self.folder / "a.png", "--size", "6x4", "--colour", "meyer4")
+        self.assertNotIn(note, result.stderr)
+
     def test_crop_outside(self):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--size", "64x48", "--crop", "0,65,0,10", says=["64×48"])
 
@@ -146,6 +160,22 @@ class Usage(JobTest):
         result = self.expect(0, "render", SCENE, "-o", self.folder / "a.png", "--diffuse-rays", "3", "--lighting", "thesis", "--no-rotation",
                              "--assign", "interleaved", *small)
         self.assertNotIn("nothing", result.stderr)
+
+    def test_options_of_light_that_do_nothing_are_said(self):
+        picture = ["-o", self.folder / "a.png", "--size", "16x12", "--progress", "none"]
+        many = ["--reflected-rays", "3", "--transmitted-rays", "2"]
+        through = ["--glass-shadows", "transparent", "--ambient-colour", "light"]
+        self.expect(0, "render", SCENE, *picture, "--lighting", "phong", *many, says=["--lighting whitted and thesis, and do nothing"])
+        self.expect(0, "render", SCENE, *picture, "--lighting", "path", *through,
+                    says=["--glass-shadows does nothing in --lighting path", "--ambient-colour belongs to --lighting phong"])
+        plain = self.write("plain.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n")
+        self.expect(0, "render", plain, *picture, *many, *through,
+                    says=["no material that reflects has an `exponent`", "no material that transmits has an `exponent`",
+                          "no material transmits light"])
+        result = self.expect(0, "render", SCENES / "gloss.yaml", *picture, *many, *through)
+        self.assertNotIn("nothing", result.stderr)
+        self.expect(2, "render", SCENE, *picture, "--reflected-rays", "1001", says=["--reflected-rays", "1000"])
+        self.expect(2, "render", SCENE, *picture, "--glass-shadows", "no", says=["blocked", "transparent"])
 
     def test_impossible_material(self):
         scene = self.write("impossible.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {m: {lambertian: 1.5}}\nscene: []\n")
@@ -418,6 +448,25 @@ class Experiments(JobTest):
         self.assertRegex(page, r"\| 8 \|( \d\.\d\de[+-]\d\d ± \d+ % \|){7}")
         self.assertEqual(self.run_alone("experiment", "depth", "--seeds", "3").code, 2)
 
+    def test_colour_writes_its_page(self):
+        result = self.run_alone("experiment", "colour", "-o", self.folder / "page", "--scenes", SCENES, "--width", "8")
+        self.assertEqual(result.code, 0, result.stderr)
+        header, *rows = (line.split(",") for line in (self.folder / "page" / "colour.csv").read_text().splitlines())
+        self.assertEqual(len(rows), 15)
+        of = {(row[0], row[1]): dict(zip(header[2:], map(float, row[2:]))) for row in rows}
+        self.assertEqual([of["chart", model]["passes"] for model in ("rgb", "meyer4", "spectral20", "spectral:200")], [1, 2, 7, 67])
+        self.assertEqual(of["prism", "spectral20"]["passes"], 20)
+        for scene in ("chart", "glasses", "prism"):
+            reference = of[scene, "spectral:200"]
+            self.assertEqual((reference["mean_difference"], reference["largest_difference"]), (0, 0))
+        # Lines of a lamp between the nodes: what has its nodes there is nearer than what has not.
+        self.assertLess(of["chart", "spectral"]["mean_difference"], 0.5 * of["chart", "meyer4"]["mean_difference"])
+        page = (self.folder / "page" / "README.md").read_text()
+        for word in ("more than doubled", "no qualitative loss", "![glasses spectral:200](glasses_reference.png)"):
+            self.assertIn(word, page)
+        for name in ("colour.dat", "colour.gp", "chart_meyer4.png", "prism_reference.png"):
+            self.assertTrue((self.folder / "page" / name).exists(), name)
+
     def test_missing_scenes_and_names(self):
         result = self.run_alone("experiment", "depth", "-o", self.folder / "page", "--scenes", self.folder / "none")
         self.assertEqual(result.code, 3, result.stderr)
@@ -473,16 +522,59 @@ class Commands(JobTest):
     def test_too_little_memory_is_said(self):
         self.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 2_000_000)
         scene = self.write("s.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{mesh: {file: mesh.obj}}]\n")
-        result = subprocess.run(["bash", "-c", 'ulimit -v 150000; exec "$@"', "bash", RAYFARM, "check", str(scene)],
-                                capture_output=True, text=True, env=ENVIRONMENT, timeout=60)
-        self.assertEqual(result.returncode, 3, result.stderr)
-        self.assertIn("more memory than there is", result.stderr)
+        for limit in (100_000, 200_000):  # to load it, and to build the hierarchy
+            result = subprocess.run(["bash", "-c", f'ulimit -v {limit}; exec "$@"', "bash", RAYFARM, "check", str(scene)],
+                                    capture_output=True, text=True, env=ENVIRONMENT, timeout=60)
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertIn("more memory than there is", result.stderr)
 
     def test_info(self):
         result = self.run_alone("info", SCENE)
         self.assertEqual(result.code, 0)
         for text in ("spheres 7", "bounds", "object tree", "memory"):
             self.assertIn(text, result.stdout)
+
+    def test_info_counts_polygons(self):
+        """As the thesis's Table 4.3 does: a vase of 16 x 5 polygons, triangles at its ends, and copies."""
+        scene = self.write("s.yaml", """
+view: {location: [0, 0, 9], look_at: [0, 0, 0]}
+objects: {vase: {lathe: {profile: [%s, [0, 16]], sides: 5}}}
+scene: [{use: vase}, {use: vase, transform: {translate: [3, 0, 0]}}, {sphere: {center: [0, 0, 0], radius: 1}}]
+""" % ", ".join(f"[{0 if y == 0 else 1 + y % 2}, {y}]" for y in range(16)))
+        result = self.run_alone("info", scene)
+        self.assertEqual(result.code, 0, result.stderr)
+        for text in ("polygons 80 (triangles 10, of more corners 70), spheres 1, quadrics 0, stored once",
+                     "polygons 160, spheres 1, quadrics 0, each copy counted", "vase: 80 polygons"):
+            self.assertIn(text, result.stdout)
+
+    def test_gouraud_says_what_a_model_does_with_it(self):
+        scene = self.write("s.yaml", """
+view: {location: [0, 0, 5], look_at: [0, 0, 0]}
+lights: [{position: [0, 0, 5]}]
+scene: [{lathe: {profile: [[1, -1], [1, 1]], sides: 8, smooth: gouraud}}]
+""")
+        for lighting, is_noted in (("whitted", False), ("path", True)):
+            result = self.run_alone("render", scene, "-o", self.folder / "x.png", "--size", "8x8", "--lighting", lighting)
+            self.assertEqual(result.code, 0, result.stderr)
+            self.assertEqual("`smooth: gouraud` belongs to the classical" in result.stderr, is_noted, result.stderr)
+
+    def test_smoothing_experiment(self):
+        """The thesis's claims of 2.3.5 in numbers: only interpolation along a picture's lines depends on how a polygon is turned."""
+        result = self.run_alone("experiment", "smoothing", "-o", self.folder / "page", "--width", "12")
+        self.assertEqual(result.code, 0, result.stderr)
+        lines = (self.folder / "page" / "smoothing.csv").read_text().splitlines()
+        rows = [line.rsplit(",", 6) for line in lines if line and not line.startswith(("#", "method"))]
+        rolls = {row[0].strip('"'): float(row[1]) for row in rows}
+        self.assertEqual(list(rolls), ["flat", "gouraud", "phong", "center", "gouraud, by lines", "phong, by lines"])
+        for name, change in rolls.items():
+            if "by lines" in name:
+                self.assertGreater(change, 0.0005, name)
+            else:
+                self.assertLess(change, 1e-6, name)
+        page = (self.folder / "page" / "README.md").read_text()
+        self.assertIn("| center |", page)
+        for name in ("jumps.dat", "profile.dat", "smoothing.gp"):
+            self.assertTrue((self.folder / "page" / name).exists(), name)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ class Emulated(JobTest):
 
     def test_processors_take_their_time_without_the_cores(self):
         before = os.times()
-        told, work = self.local(8)
+        told, work = self.local(8, "--least-side", "4")  # small enough that the last ones of a frame are short
         after = os.times()
         self.assertGreater(told["time_s"]["trace"], work / 8)
         self.assertLess(told["time_s"]["trace"], 1.15 * work / 8)
@@ -78,6 +78,31 @@ class Emulated(JobTest):
             if sets == "rows":
                 self.assertEqual(first, [1 + i % 3 for i in range(len(first))])
 
+    def test_subpolygons_down_to_a_pixel(self):
+        """Thesis 4.4.4.1: "as few as one ray could be assigned to each processor". The picture is the same."""
+        hashes, grids = set(), []
+        for flags in (["--wire", "pixel"], ["--wire", "pixel", "--least-side", "8"], ["--wire", "block"],
+                      ["--wire", "block", "--least-side", "1", "--assign", "interleaved", "--sets", "rows"]):
+            stats = self.folder / "small.json"
+            result = run(RAYFARM, "render", SCENE, "-o", self.folder / "small.png", "--size", "32x24", "--local-nodes", "12",
+                         "--subpolygons", "100", "--stats", stats, *flags)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            told = json.loads(stats.read_text())
+            hashes.add(told["image"]["sha256_pixels"])
+            grids.append(told["subpolygons"])
+            # What the picture has no room for is said once.
+            self.assertEqual(result.stderr.count("100 subpolygons for each of 12 processors are 1200"), 1)
+            self.assertIn("are only 768", result.stderr)
+        self.assertEqual(len(hashes), 1)
+        self.assertEqual(grids, [{"columns": 32, "rows": 24}, {"columns": 4, "rows": 3}, {"columns": 4, "rows": 3}, {"columns": 32, "rows": 24}])
+
+    def test_a_simulation_says_what_the_picture_has_no_room_for(self):
+        few = run(RAYFARM, "simulate", "--processors", "2,300,600", "--wire", "block")
+        self.assertEqual(few.returncode, 0, few.stderr)
+        self.assertEqual(few.stderr.count("have room for only 16384 of at least 8 × 8 (--least-side)"), 1)
+        self.assertEqual(run(RAYFARM, "simulate", "--processors", "2,300,600", "--wire", "block", "--least-side", "4").stderr, "")
+        self.assertEqual(run(RAYFARM, "simulate", "--processors", "2,300,600").stderr, "")
+
     def test_sets_belong_to_interleaved_work(self):
         out = self.folder / "idle.png"
         for command in (["render", SCENE, "-o", out, "--size", "16x12"], ["simulate", "--assign", "on-demand", "--processors", "2"]):
@@ -107,23 +132,35 @@ class CommandLine(JobTest):
         self.assertIn("measured", [row["wire"] for row in json.loads(result.stdout)["limits"]])
 
     def test_working_sets(self):
-        result = run(RAYFARM, "experiment", "working-sets", "--scenes", SCENES, "-o", self.folder / "sets")
+        """Table 4.12: total and active size of the thesis's three images, traced in columns from the lower left."""
+        result = run(RAYFARM, "experiment", "working-sets", "--scenes", SCENES, "--width", "64", "-o", self.folder / "sets")
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(self.folder / "sets/working_sets.csv") as file:
             rows = list(csv.DictReader(file.read().splitlines()[1:]))
+        self.assertEqual([row["scene"] for row in rows[::4]],
+                         ["Image 1", "Image 2", "Image 3", f"{2 * (708 * 64 // 256) ** 2} triangles", "rainbow.yaml"])
+        self.assertEqual(len(rows), 20)
         for row in rows:
             self.assertLessEqual(float(row["active_bytes"]), float(row["block_bytes"]))
+            self.assertGreater(float(row["active_bytes"]), 0)
+            if row["code_bytes"] != "-":  # of a kernel that tells
+                parts = ("block_bytes", "code_bytes"), ("active_bytes", "active_code_bytes", "active_raster_bytes")
+                self.assertAlmostEqual(float(row["total_bytes"]), sum(float(row[p]) for p in parts[0]) + 3 * 64 * 64, delta=1)
+                self.assertAlmostEqual(float(row["active_total_bytes"]), sum(float(row[p]) for p in parts[1]), delta=1)
+                self.assertLess(float(row["active_code_bytes"]), float(row["code_bytes"]))
         # Of a large scene neighbouring rays touch little, and shuffled ones more.
         large = [float(row["active_share"]) for row in rows if row["scene"] == "rainbow.yaml"]
         self.assertLess(large[0], 0.05)
         self.assertGreater(large[3], 1.2 * large[0])
+        self.assertIn("columns from the lower left", (self.folder / "sets/README.md").read_text())
 
     def test_bad_input(self):
         bad = self.folder / "bad.json"
         bad.write_text("{}")
         for command, says in ((["model", "--rate", "8 megabit"], "not a rate"), (["model", "--stats", "none.json"], "none.json"),
                               (["model", "--stats", bad], "not the statistics"), (["simulate", "--cost-map", bad], "not a cost map"),
-                              (["simulate", "--processors", "20000"], "20000"), (["model", "--preset", "1986"], "1986"),
+                              (["simulate", "--processors", "20000"], "20000"), (["simulate", "--least-side", "0"], "--least-side"),
+                              (["render", SCENE, "-o", "a.png", "--least-side", "0"], "--least-side"), (["model", "--preset", "1986"], "1986"),
                               (["render", SCENE, "-o", "a.png", "--processor-times", "1,2"], "--processor-time")):
             result = run(RAYFARM, *command)
             self.assertNotEqual(result.returncode, 0, command)

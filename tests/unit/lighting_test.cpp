@@ -227,8 +227,11 @@ scene:
 }
 
 TEST(Lighting, SamplesDoNotDependOnTheirPacket) {
-  Probe probe(kMixedRoom + room("wall"));
-  for (const LightingModel model : {LightingModel::path, LightingModel::thesis}) {
+  std::string text = kMixedRoom + room("wall");
+  text.replace(text.find("reflect: 0.6"), 12, "reflect: 0.6, exponent: 30");
+  Probe probe(text);
+  probe.settings.reflected_rays = 11;
+  for (const LightingModel model : {LightingModel::path, LightingModel::thesis, LightingModel::whitted}) {
     probe.settings.lighting = model;
     probe.settings.max_depth = 5;
     probe.settings.samples = 8;

@@ -263,10 +263,12 @@ TEST(ObjLoader, QuadsNormalsMaterialsAndFaults) {
   const SceneDescription scene = test::load_yaml(yaml);
   EXPECT_EQ(scene.files.size(), 3u);
   const CompiledScene compiled = compile(scene);
-  EXPECT_EQ(compiled.scene.triangle_shading.size(), 3u);
-  EXPECT_EQ(compiled.scene.materials[compiled.scene.triangle_shading[0].material].color, Color(1, 0, 0));
-  EXPECT_EQ(compiled.scene.materials[compiled.scene.triangle_shading[2].material].reflect, 0.5);
+  ASSERT_EQ(compiled.scene.triangle_shading.size(), 1u);
+  ASSERT_EQ(compiled.scene.mesh_faces.size(), 1u);
+  EXPECT_EQ(compiled.scene.materials[compiled.scene.mesh_faces[0].material].color, Color(1, 0, 0));
+  EXPECT_EQ(compiled.scene.materials[compiled.scene.triangle_shading[0].material].reflect, 0.5);
   EXPECT_NE(compiled.scene.triangle_shading[0].normals[0], kNone) << "averaged normals";
+  EXPECT_NE(compiled.scene.mesh_faces[0].first_normal, kNone) << "averaged normals";
   test::write_temporary("q.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 9\n");
   EXPECT_NE(error_of(yaml).find("q.obj:4"), std::string::npos) << error_of(yaml);
   test::write_temporary("q.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\n");

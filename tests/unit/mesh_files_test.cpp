@@ -204,32 +204,33 @@ TEST(ObjLoader, AMaterialThatCanNotShowIsNoted) {
   EXPECT_EQ(notes_of(test::load_yaml(yaml)), "");
 }
 
-double area_of(const MeshShape& mesh) {
+/// Of all the triangles that rays are tested against, which must not reach into `hole`.
+double area_of(const CompiledScene& compiled, const Box& hole = {}) {
   double sum = 0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const Vec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
-    sum += 0.5 * glm::length(glm::cross(b - a, c - a));
-  }
+  for (const TriangleBlock& block : compiled.scene.triangle_blocks)
+    for (size_t lane = 0; lane < 8; ++lane) {
+      if (block.primitives[lane] == kNoPrimitive) continue;
+      std::array<Vec3, 3> v;
+      for (size_t k = 0; k < 3; ++k)
+        v[k] = Vec3(block.vertices[k][0][lane], block.vertices[k][1][lane], block.vertices[k][2][lane]);
+      sum += 0.5 * glm::length(glm::cross(v[1] - v[0], v[2] - v[0]));
+      const Vec3 middle = (v[0] + v[1] + v[2]) / 3.0;
+      EXPECT_FALSE(middle.x > hole.lo.x && middle.x < hole.hi.x && middle.y > hole.lo.y &&
+                   middle.y < hole.hi.y);
+    }
   return sum;
 }
 
 TEST(ObjLoader, FacesAreCutIntoTrianglesThatCoverThemOnce) {
   // An L whose inner corner the fan from its first corner would cover: 3 squares.
-  const MeshShape l = mesh_of(
+  const CompiledScene l = compile(
       load_mesh("v 1 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\nv 0 1 2\nv 1 1 2\nf 4 5 6 1 2 3\nf 5 6 1 2 3 4\n"));
   EXPECT_NEAR(area_of(l), 6, 1e-12);
   // A ring: an outer and an inner square, joined by a bridge there and back.
-  const MeshShape ring = mesh_of(load_mesh(
+  const CompiledScene ring = compile(load_mesh(
       "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\nf 1 2 3 4 1 5 6 7 8 5\n"));
-  EXPECT_NEAR(area_of(ring), 12, 1e-12);
-  for (const glm::uvec3& t : ring.triangles) {
-    const glm::vec3 middle = (ring.positions[t.x] + ring.positions[t.y] + ring.positions[t.z]) / 3.0f;
-    EXPECT_FALSE(middle.x > 1 && middle.x < 3 && middle.y > 1 && middle.y < 3) << "in the hole";
-  }
-  // Convex ones, planar or not, stay fans from their first corners.
-  const MeshShape fan =
-      mesh_of(load_mesh("v 0 0 0\nv 1 0 0.1\nv 1 1 0\nv 0.5 1.5 0\nv 0 1 0.1\nf 1 2 3 4 5\nf 2 3 4 5\n"));
-  EXPECT_EQ(fan.triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {1, 2, 3}, {1, 3, 4}}));
+  EXPECT_NEAR(area_of(ring, {{1, 1, 0}, {3, 3, 0}}), 12, 1e-12);
+  EXPECT_EQ(ring.scene.parts[0].polygon_count, 1u);
 }
 
 TEST(Loading, StopsSoonAfterItIsAsked) {

@@ -1,5 +1,4 @@
 #include <random>
-#include <set>
 
 #include "protocol/block_codec.h"
 #include "protocol/build_identity.h"
@@ -140,13 +139,35 @@ TEST(Grid, CoversEveryPixelOnce) {
   EXPECT_EQ(largest.polygon(SubpolygonId(largest.count() - 1)).right, 65535);
 }
 
+// Thesis 4.4.4.1: "as few as one ray could be assigned to each processor".
+TEST(Grid, SubpolygonsAreAsSmallAsAPixel_4_4_4_1) {
+  const SubpolygonGrid pixels = make_grid(3, 4, 40, 30, 100, 64, 1);
+  EXPECT_EQ(pixels.count(), 1200);
+  for (SubpolygonId s; s.value() < pixels.count(); ++s) {
+    const DisplayPolygon p = pixels.polygon(s);
+    EXPECT_EQ(p, (DisplayPolygon{static_cast<uint16_t>(3 + s.value() % 40),
+                                 static_cast<uint16_t>(4 + s.value() / 40), p.left, p.top}));
+    EXPECT_EQ(pixels.find(p), s);
+  }
+  // The thesis's picture: about 64 for each of 4,444 processors, of which blocks of 8 × 8 leave few.
+  EXPECT_NEAR(make_grid(0, 0, 1024, 1024, 4444, 64, 1).count(), 284416, 28441);
+  EXPECT_EQ(make_grid(0, 0, 1024, 1024, 4444).count(), 16384);
+  EXPECT_EQ(room_for(1024, 1024, 8), 16384);
+  EXPECT_EQ(room_for(7, 1024, 8), 128);
+  EXPECT_EQ(least_side_of(Wire::pixel), 1);
+  EXPECT_EQ(least_side_of(Wire::block), 8);
+  JobPlan plan;  // the grid travels in the plan
+  plan.phases = {PicturesPhase{{FrameNumber(1)}, pixels}};
+  EXPECT_EQ(pictures_of(decode_plan(encode_plan(plan))).grid.count(), 1200);
+}
+
 TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {
   for (const auto& [width, height, per_processor] :
        {std::tuple{65536, 65536, 64}, std::tuple{16384, 16384, 2}, std::tuple{65536, 1, 1},
         std::tuple{9, 65536, 1}}) {
     for (const size_t pixel_bytes : {3, 12}) {
       const size_t most = kMostSubpolygonBytes / pixel_bytes;
-      const SubpolygonGrid grid = make_grid(0, 0, width, height, 1, per_processor, kLeastSide_px, most);
+      const SubpolygonGrid grid = make_grid(0, 0, width, height, 1, per_processor, kLeastBlockSide_px, most);
       for (int s = 0; s < grid.count(); s += 7) {
         const DisplayPolygon p = grid.polygon(SubpolygonId(s));
         EXPECT_LE(size_t(p.right - p.left + 1) * size_t(p.bottom - p.top + 1), most);
@@ -154,120 +175,6 @@ TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {
     }
   }
   EXPECT_EQ(make_grid(0, 0, 640, 480, 2).count(), make_grid(0, 0, 640, 480, 2, 64, 8, 1 << 20).count());
-}
-
-TEST(Interleaved, SetsAreEvenlySpread) {
-  for (const int processors : {1, 2, 3, 8, 13}) {
-    const SubpolygonGrid grid = make_grid(0, 0, 1024, 1024, processors);
-    std::vector<int> owners(static_cast<size_t>(grid.count()), -1);
-    for (int p = 0; p < processors; ++p)
-      for (const SubpolygonId s : interleaved_set(grid, SetPattern::lattice, processors, p))
-        owners[s.place()] = p;
-    EXPECT_EQ(std::count(owners.begin(), owners.end(), -1), 0);
-    for (int p = 0; p < processors; ++p)
-      EXPECT_NEAR(static_cast<double>(std::count(owners.begin(), owners.end(), p)),
-                  double(grid.count()) / processors, 2);
-    if (processors > 2)  // no column belongs to one processor
-      for (int column = 0; column < grid.columns; ++column) {
-        bool differs = false;
-        for (int row = 1; row < grid.rows; ++row)
-          differs = differs || owners[static_cast<size_t>(row * grid.columns + column)] !=
-                                   owners[static_cast<size_t>(column)];
-        EXPECT_TRUE(differs);
-      }
-  }
-}
-
-struct SetCase {
-  SubpolygonGrid grid;
-  int processors;
-};
-/// 2 × 2, 3 × 5, and the 64 N of the thesis.
-std::vector<SetCase> set_cases() {
-  std::vector<SetCase> cases{{{0, 0, 20, 20, 2, 2}, 4},  {{0, 0, 20, 20, 2, 2}, 3},
-                             {{0, 0, 30, 50, 3, 5}, 15}, {{0, 0, 30, 50, 3, 5}, 4},
-                             {{0, 0, 50, 30, 5, 3}, 5},  {{0, 0, 512, 512, 16, 16}, 4}};
-  for (const int processors : {7, 13}) cases.push_back({make_grid(0, 0, 1024, 1024, processors), processors});
-  return cases;
-}
-
-// Thesis 4.4.4.2: "Rather than tracing the same subpolygon, the processor will do the subvolume directly to
-// the right. [...] If the current subpolygon was on the right edge of the main display polygon the processor
-// indexes down a row and over to the left. If the current subpolygon is in the bottom right corner of the
-// main display polygon the upper left hand corner should be used."
-TEST(Interleaved, FromFrameToFrameAProcessorMovesToTheRight_4_4_4_2) {
-  for (const auto& [grid, processors] : set_cases())
-    for (const SetPattern pattern : {SetPattern::rows, SetPattern::lattice})
-      for (const int frame : {0, 1, 2, grid.count() - 1, grid.count(), 1000003})
-        for (SubpolygonId s; s.value() < grid.count(); ++s) {
-          int column = s.value() % grid.columns, row = s.value() / grid.columns;
-          if (column < grid.columns - 1) {
-            ++column;  // directly to the right
-          } else if (row < grid.rows - 1) {
-            ++row;  // down a row and over to the left
-            column = 0;
-          } else {
-            row = column = 0;  // the upper left hand corner
-          }
-          EXPECT_EQ(interleaved_owner(grid, pattern, processors, FrameIndex(frame + 1),
-                                      SubpolygonId(row * grid.columns + column)),
-                    interleaved_owner(grid, pattern, processors, FrameIndex(frame), s));
-        }
-}
-
-// Thesis 4.4.4.2: "each processor will have rendered part of this section an equal number of times".
-TEST(Interleaved, EachProcessorHasEachSubpolygonEquallyOften_4_4_4_2) {
-  for (const auto& [grid, processors] : set_cases())
-    for (const SetPattern pattern : {SetPattern::rows, SetPattern::lattice}) {
-      if (grid.count() % processors != 0) continue;
-      const SubpolygonId hard(grid.count() / 3);
-      std::vector<int> times(static_cast<size_t>(processors));
-      for (FrameIndex f; f.value() < grid.count(); ++f)
-        ++times[static_cast<size_t>(interleaved_owner(grid, pattern, processors, f, hard))];
-      EXPECT_EQ(times, std::vector<int>(times.size(), grid.count() / processors));
-    }
-}
-
-// Thesis 4.4.4.2: "The distribution of the set of subpolygons rendered by a processor is such that they are
-// evenly distributed across the scene": in rows, one in every N; where 64 N make the picture, 64 each.
-TEST(Interleaved, RowsGiveAProcessorOneInEveryN_4_4_4_2) {
-  for (const auto& [grid, processors] : set_cases())
-    for (int p = 0; p < processors; ++p) {
-      const auto set = interleaved_set(grid, SetPattern::rows, processors, p);
-      for (size_t i = 0; i < set.size(); ++i) EXPECT_EQ(set[i].value(), p + processors * static_cast<int>(i));
-      EXPECT_GE(static_cast<int>(set.size()), grid.count() / processors);
-    }
-  const SubpolygonGrid grid{0, 0, 64, 64, 16, 16};  // 64 for each of 4
-  for (int p = 0; p < 4; ++p) EXPECT_EQ(interleaved_set(grid, SetPattern::rows, 4, p).size(), 64u);
-  // By hand, of the sets of 2 × 2 subpolygons and 3 processors: 0 1 2 0, then 0 0 1 2, then 2 0 0 1.
-  const SubpolygonGrid four{0, 0, 20, 20, 2, 2};
-  const int owners[3][4]{{0, 1, 2, 0}, {0, 0, 1, 2}, {2, 0, 0, 1}};
-  for (int frame = 0; frame < 3; ++frame)
-    for (int s = 0; s < 4; ++s)
-      EXPECT_EQ(interleaved_owner(four, SetPattern::rows, 3, FrameIndex(frame), SubpolygonId(s)),
-                owners[frame][s]);
-}
-
-TEST(Interleaved, ANodeFindsWhatTheHostExpectsOfIt) {
-  for (const SetPattern pattern : {SetPattern::rows, SetPattern::lattice})
-    for (const bool rotates : {true, false}) {
-      JobPlan plan;
-      plan.processors = 3;
-      plan.sets = pattern;
-      plan.rotates = rotates;
-      const PicturesPhase phase{std::vector<FrameNumber>(20), make_grid(0, 0, 40, 24, 3)};
-      for (int p = 0; p < 3; ++p) {
-        const auto set = interleaved_set(phase.grid, pattern, 3, p);
-        for (FrameIndex f; f.value() < 20; ++f) {
-          std::set<ItemIndex> expected, found;
-          for (SubpolygonId s; s.value() < phase.grid.count(); ++s)
-            if (owner_of(plan, phase, phase.item_of(f, s)) == NodeId(p + 1))
-              expected.insert(phase.item_of(f, s));
-          for (const SubpolygonId s : set) found.insert(phase.item_of(f, own_subpolygon(plan, phase, f, s)));
-          EXPECT_EQ(found, expected);
-        }
-      }
-    }
 }
 
 TEST(LocalTransport, OrderAndMeter) {

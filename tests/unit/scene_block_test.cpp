@@ -45,16 +45,20 @@ CompiledScene compile_everything() {
   test::write_temporary("lamp.ies", "TILT=NONE\n1 1 1 2 1 1 1 0 0 0\n1 1 1\n0 180\n0\n5 7\n");
   test::write_temporary(
       "mesh.obj",
-      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\n");
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nv 0 -1 0\nv 1 -1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n"
+      "f 1/1 3/3 4/2\nf 5/1 6/2 2/3 1/1\n");
   std::string text = R"(
 view: {location: {0: [0, 0, 6], 4: [1, 0, 6]}, look_at: [0, 0, 0], lens: {radius: 0.01, focus: 6}}
 environment: {file: sky.png}
-textures: {image: {kind: image, file: sky.png}, boards: {kind: boards}}
+textures: {image: {kind: image, file: sky.png}, boards: {kind: boards}, array: {kind: array, size: [3, 2, 2], values: [0, 1, 0, 1, 0, 1, 0, 1, 0.5, 0, 1, 1], scale: 0.2}}
 materials:
   painted: {color: 0.7, reflect: 0.1, texture: image, bump: {texture: boards, height: 0.01}}
   gold: {conductor: gold}
   glass: {dielectric: glass}
-  lamp: {luminaire: {emission: 3}}
+  lamp: {luminaire: {emission: 3, ies: lamp.ies}}
+  green: {lambertian: {spectrum: [[450, 0.1], [540, 0.8], [600, 0.2]]}}
+  dusty: {mix: {a: green, b: gold, by: array}}
+  dustier: {mix: {a: dusty, b: painted, by: boards}}
 lights: [{position: [2, 3, 4]}, {position: [0, 4, 0], ies: lamp.ies}]
 objects: {pair: [{sphere: {center: [0, 0, 0], radius: 0.3}}, {sphere: {center: [1, 0, 0], radius: 0.3}}]}
 frames: [0, 4]
@@ -64,9 +68,12 @@ scene:
   - {material: lamp, sphere: {center: [-2, 2, 0], radius: 0.2}}
   - {material: glass, quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, 0, 0, -0.2], planes: [[0, 1, 0, 0]]}}
   - polygon: {points: [[-3, -1, -3], [3, -1, -3], [3, -1, 3], [0, -1, 0], [-3, -1, 3]],
-              normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]]}
+              normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]], smooth: gouraud}
+  - {material: dustier, sphere: {center: [0, 0, 1], radius: 0.4}}
   - {material: gold, use: pair, transform: [{rotate: {axis: [0, 0, 1], degrees: {0: 0, 4: 90}}}, {translate: [0, 1, 0]}]}
   - {use: pair, transform: {translate: [0, -2, 0]}}
+  - {use: pair, transform: {translate: [1, -2, 0]}, visible: {0: true, 3: false}}
+  - {light: {position: [0, 3, 0], falloff: true}, transform: {translate: {0: [0, 0, 0], 4: [1, 0, 0]}}}
   - {use: pair, transform: {orient: {0: {axis: [0, 1, 0], degrees: 0}, 4: {axis: [0, 1, 0], degrees: 90}}}}
 )";
   for (int i = 0; i < 12; ++i)
@@ -175,6 +182,25 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
         return t.normals = {0, kNone, kNone}, true;
       },
       "a triangle with one normal");
+  expect_refusal<TriangleShading>(
+      compiled, &Scene::triangle_shading, [](TriangleShading& t) { return t.smoothing = 4, true; },
+      "a triangle of no smoothing");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.corner_count = 5, true; },
+      "a face of more corners than there are");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.corner_count = 2, true; }, "a face of two");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.first_normal = 1, true; },
+      "a face of more normals than there are");
+  expect_refusal<MeshFace>(
+      compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.smoothing = 9, true; },
+      "a face of no smoothing");
+  expect_refusal<uint32_t>(
+      compiled, &Scene::face_corners, [](uint32_t& corner) { return corner = 4, true; }, "a face's corner");
+  expect_refusal<uint32_t>(
+      compiled, &Scene::face_normals, [](uint32_t& normal) { return normal = 1u << 20, true; },
+      "a face's normal");
   expect_refusal<Instance>(
       compiled, &Scene::instances,
       [](Instance& instance) { return instance.moving = 1000, instance.part == 0; }, "a moving instance");
@@ -198,6 +224,55 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
         return t.kind == TextureKind::image;
       },
       "a number of texels that wraps");
+  expect_refusal<MovingLight>(
+      compiled, &Scene::moving_lights, [](MovingLight& light) { return light.light = 0, true; },
+      "a light that says that it does not move");
+  expect_refusal<ObjectNode>(
+      compiled, &Scene::object_nodes, [](ObjectNode& node) { return node.visible = 1000, true; },
+      "an object that is there by a curve that is not");
+  expect_refusal<Light>(
+      compiled, &Scene::lights, [](Light& light) { return light.moving = 7, true; },
+      "a light that moves nowhere");
+  expect_refusal<Texture>(
+      compiled, &Scene::textures,
+      [](Texture& t) { return t.depth_px = 1u << 31, t.kind == TextureKind::array; },
+      "an array deeper than its texels");
+  expect_refusal<Material>(
+      compiled, &Scene::materials,
+      [](Material& m) { return m.kind == MaterialKind::mix && (m.parts[1] = 1000, true); },
+      "a mix of no material");
+  expect_refusal<Material>(
+      compiled, &Scene::materials,
+      [&](Material& m) {
+        return m.kind == MaterialKind::mix &&
+               (m.parts[0] = static_cast<uint32_t>(compiled.scene.materials.size() - 1), true);
+      },
+      "a mix of a later material, that may be of this one");
+  expect_refusal<Material>(
+      compiled, &Scene::materials,
+      [](Material& m) { return m.kind == MaterialKind::mix && (m.texture = kNone, true); },
+      "a mix by nothing");
+  expect_refusal<SpectralColor>(
+      compiled, &Scene::spectral_colors, [](SpectralColor& c) { return c.index = 1000, true; },
+      "a spectrum of no material");
+  expect_refusal<SpectralColor>(
+      compiled, &Scene::spectral_colors, [](SpectralColor& c) { return c.node_count = 0, true; },
+      "a spectrum without nodes");
+  expect_refusal<SpectralColor>(
+      compiled, &Scene::spectral_colors, [](SpectralColor& c) { return c.first_node = 0xfffffff0u, true; },
+      "a spectrum outside of the nodes");
+  expect_refusal<SpectrumNode>(
+      compiled, &Scene::spectrum_nodes, [](SpectrumNode& node) { return node.wavelength_nm = 1e5, true; },
+      "wavelengths that fall");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.reflections = Reflections{3}, true; },
+      "reflections of a fourth kind");
+  expect_refusal<Material>(
+      compiled, &Scene::materials, [](Material& m) { return m.exponent = NAN, true; }, "no exponent");
+  for (Color Material::*const colour : {&Material::interior, &Material::filter})
+    expect_refusal<Material>(
+        compiled, &Scene::materials, [colour](Material& m) { return (m.*colour).y = -1, true; },
+        "light below nothing");
   expect_refusal<double>(
       compiled, &Scene::key_frames, [](double& frame) { return frame = NAN, true; }, "a key at no frame");
   expect_refusal<double>(
@@ -255,12 +330,6 @@ TEST(Settings, ThereAndBack) {
   EXPECT_EQ(back.diffuse_bands, DiffuseBands::cone);
   EXPECT_EQ(back.diffuse_set, DiffuseSet::fixed);
   EXPECT_THROW(decode_settings(std::vector<std::byte>(3)), std::exception);
-  for (uint32_t RenderSettings::*limit :
-       {&RenderSettings::max_depth, &RenderSettings::max_reflections, &RenderSettings::max_transmissions}) {
-    RenderSettings wrong;
-    wrong.*limit = kMostDepth + 1;
-    EXPECT_THROW(decode_settings(encode_settings(wrong)), SettingsError);
-  }
   for (const Subpixels wrong : {Subpixels{0, 1}, Subpixels{1, 65}, Subpixels{1u << 31, 2}}) {
     RenderSettings damaged = settings;
     damaged.subpixels = wrong;
@@ -272,6 +341,29 @@ TEST(Settings, ThereAndBack) {
   damaged = settings;
   damaged.diffuse_set = static_cast<DiffuseSet>(2);
   EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError);
+  for (uint32_t RenderSettings::*limit :
+       {&RenderSettings::max_depth, &RenderSettings::max_reflections, &RenderSettings::max_transmissions}) {
+    RenderSettings wrong;
+    wrong.*limit = kMostDepth + 1;
+    EXPECT_THROW(decode_settings(encode_settings(wrong)), SettingsError);
+  }
+  damaged = settings;
+  damaged.colour = ColourModel::spectral;
+  damaged.colour_nodes_nm = {400, 500.5, 600};
+  EXPECT_EQ(decode_settings(encode_settings(damaged)).colour_nodes_nm, damaged.colour_nodes_nm);
+  for (const std::vector<double>& wrong : {std::vector<double>{400, 600, 500},
+                                           {400, 500},
+                                           {400, 500, NAN},
+                                           {300, 500, 600},
+                                           {400, 410, 420},
+                                           std::vector<double>(1'000'000, 500)}) {
+    damaged.colour_nodes_nm = wrong;
+    EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError);
+  }
+  damaged.colour_nodes_nm = {400, 500, 600};
+  damaged.colour = ColourModel::meyer4;
+  EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError)
+      << "wavelengths of a model that has its own";
   // As many diffuse rays and samples as there may be of each: their product once wrapped round to 0.
   settings.sampling = SamplingPattern::sobol;
   settings.lighting = LightingModel::thesis;
@@ -280,6 +372,16 @@ TEST(Settings, ThereAndBack) {
   EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
   settings.samples = 1 << 10;
   EXPECT_EQ(decode_settings(encode_settings(settings)).diffuse_rays, 4096u);
+  settings.glass_shadows = GlassShadows::none;
+  settings.ambient_colour = AmbientColour::light;
+  settings.transmitted_rays = 1000;
+  EXPECT_EQ(decode_settings(encode_settings(settings)).transmitted_rays, 1000u);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).glass_shadows, GlassShadows::none);
+  EXPECT_EQ(decode_settings(encode_settings(settings)).ambient_colour, AmbientColour::light);
+  for (const uint32_t rays : {0u, 1001u}) {
+    settings.transmitted_rays = rays;
+    EXPECT_THROW(decode_settings(encode_settings(settings)), std::runtime_error);
+  }
 }
 
 }  // namespace

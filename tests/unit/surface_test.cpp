@@ -31,7 +31,7 @@ TEST_P(SceneScale, NeitherAcneNorLeaks) {
     scene.objects[0].children.push_back(
         {1, {{TransformKind::translate, constant_curve(Vec4(at + Vec3(8, 0, 0) * s, 0)), {}, {}}}, {}});
     const Vec3 eye = at + Vec3(4, 1, 30) * s;
-    scene.lights.push_back({.position = eye});
+    scene.lights.emplace_back().position = eye;
     const CompiledScene compiled = compile(scene);
     FrameState frame_pose(compiled.scene);
     const Pose pose = frame_pose.at(0);

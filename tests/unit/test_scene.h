@@ -40,6 +40,14 @@ inline std::string error_of(const std::string& text, const std::string& name = "
   return "";
 }
 
+/// What is noted of the text, a line each.
+inline std::string notes_of(const std::string& text) {
+  const CompiledScene compiled = compile(load_yaml(text));
+  std::string all;
+  for (const std::string& line : compiled.notes.lines()) all += line + "\n";
+  return all;
+}
+
 /// All pixels of an image, height × width × 3, as its file holds them.
 inline std::vector<float> read_pixels(const std::string& path) {
   ImageReader reader(path, 1 << 20);

@@ -233,5 +233,16 @@ TEST(Triangulate, CrossingsAreTold) {
   EXPECT_TRUE(crosses_itself(Points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, up));
 }
 
+TEST(CutFace, ConvexFacesPlanarOrNotStayFansFromTheirFirstCorners) {
+  using Triangles = std::vector<std::array<uint32_t, 3>>;
+  Triangles triangles;
+  cut_face(Points{{0, 0, 0}, {1, 0, 0.1}, {1, 1, 0}, {0.5, 1.5, 0}, {0, 1, 0.1}}, triangles);
+  EXPECT_EQ(triangles, (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
+  const Points notched{{0, 2, 0}, {0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 1, 0}};
+  cut_face(notched, triangles);
+  EXPECT_EQ(triangles.size(), 3u);
+  for (const auto& [a, b, c] : triangles) EXPECT_GT(cross(notched[a], notched[b], notched[c]), 0);
+}
+
 }  // namespace
 }  // namespace rayfarm

@@ -5,12 +5,11 @@
 #include <filesystem>
 #include <istream>
 
+#include "common/description/formats/mesh_faces.h"
 #include "common/description/formats/obj_records.h"
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/formats/stoppable_text.h"
 #include "common/files/read_file.h"
-#include "common/shapes/polygon.h"
-#include "common/shapes/triangulate.h"
 
 namespace rayfarm {
 namespace {
@@ -67,23 +66,6 @@ void read_mesh(const std::string& path, std::string_view text, const std::stop_t
     throw InputError({path}, error.empty() ? "not a readable OBJ file" : error);
 }
 
-using Triangles = std::vector<std::array<uint32_t, 3>>;
-
-/// A fan from the first corner where that covers the face once, as it does where the face is convex.
-void cut_face(std::span<const Vec3> points, Triangles& triangles) {
-  triangles.clear();
-  const Vec3 normal = newell_normal(points);
-  const double least =
-      -1e-6 * glm::dot(normal, normal);  // what overlaps by so little of the face is rounding
-  bool is_fan = true;
-  for (uint32_t i = 1; i + 1 < points.size(); ++i) {
-    is_fan =
-        is_fan && glm::dot(glm::cross(points[i] - points[0], points[i + 1] - points[0]), normal) >= least;
-    triangles.push_back({0, i, i + 1});
-  }
-  if (!is_fan) triangles = triangulate(points, normal);
-}
-
 }  // namespace
 
 PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& path, uint32_t material,
@@ -108,17 +90,12 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
                        fmt::format("vertex {} is not finite or beyond {:g}", i + 1, limits::kCoordinate));
   const size_t vertex_count = mesh.positions.size(), normal_count = mesh.normals.size(),
                uv_count = mesh.uvs.size();
-  mesh.uvs.emplace_back(0);  // of corners that have none
+  if (uv_count > 0) mesh.uvs.emplace_back(0);  // of corners that have none
   const auto exists = [](int index, size_t count) {
     return index >= 0 && static_cast<size_t>(index) < count;
   };
-  const size_t triangle_count = counts.corners - std::min(counts.corners, 2 * counts.faces);
-  mesh.triangles.reserve(triangle_count);
-  if (uv_count > 0) mesh.triangle_uvs.reserve(triangle_count);
-  mesh.triangle_normals.reserve(triangle_count);
-  mesh.materials.reserve(triangle_count);
-  std::vector<Vec3> points;
-  Triangles triangles;
+  reserve_faces(found.sides, uv_count > 0, mesh);
+  std::vector<FaceCorner> corners;
   const tinyobj::index_t* corner = found.corners.data();
   for (size_t face = 0; face < found.sides.size(); corner += found.sides[face++]) {
     throw_if_stopped(stop);
@@ -127,53 +104,27 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
     if (sides > limits::kPolygonPoints)
       throw InputError({path, line_of_face(text, face)},
                        fmt::format("a face has at most {} corners", limits::kPolygonPoints));
+    corners.clear();
     for (size_t i = 0; i < sides; ++i) {
-      const int v = corner[i].vertex_index, n = corner[i].normal_index;
+      const int v = corner[i].vertex_index, n = corner[i].normal_index, uv = corner[i].texcoord_index;
       if (!exists(v, vertex_count) || (n >= 0 && !exists(n, normal_count)))
         throw InputError(
             {path, line_of_face(text, face)},
             fmt::format("the face names vertex {} and normal {}, but the file has {} vertices and {} normals",
                         v + 1, n + 1, vertex_count, normal_count));
+      corners.push_back({static_cast<uint32_t>(v), static_cast<uint32_t>(n),
+                         static_cast<uint32_t>(exists(uv, uv_count) ? static_cast<size_t>(uv) : uv_count)});
     }
-    points.clear();
-    for (size_t i = 0; i < sides; ++i)
-      points.emplace_back(mesh.positions[static_cast<size_t>(corner[i].vertex_index)]);
-    cut_face(points, triangles);
-    for (const std::array<uint32_t, 3>& triangle : triangles) {
-      glm::uvec3 v, n, uv;
-      bool has_normals = smoothing != Smoothing::flat;
-      for (int k = 0; k < 3; ++k) {
-        const tinyobj::index_t& index = corner[triangle[static_cast<size_t>(k)]];
-        v[k] = static_cast<uint32_t>(index.vertex_index);
-        n[k] = static_cast<uint32_t>(index.normal_index);
-        uv[k] = static_cast<uint32_t>(
-            exists(index.texcoord_index, uv_count) ? static_cast<size_t>(index.texcoord_index) : uv_count);
-        has_normals = has_normals && index.normal_index >= 0;
-      }
-      mesh.triangles.push_back(v);
-      if (uv_count > 0) mesh.triangle_uvs.push_back(uv);
-      mesh.triangle_normals.push_back(has_normals ? n : glm::uvec3(~0u));
-      mesh.materials.push_back(of_face);
-    }
+    if (sides >= 3) add_face(mesh, corners, of_face);
   }
-  if (mesh.triangles.empty()) throw InputError({path}, "the file has no faces");
-  if (mesh.triangles.size() > limits::kPrimitives)
-    throw InputError({path}, "the mesh has too many triangles");
+  const size_t face_count = mesh.triangles.size() + mesh.polygons.sides.size();
+  if (face_count == 0) throw InputError({path}, "the file has no faces");
+  if (face_count > limits::kPrimitives) throw InputError({path}, "the mesh has too many faces");
 
-  // A smooth mesh without normals gets the average of its faces' normals at each vertex (Gouraud,
-  // thesis 2.3.5).
   if (smoothing != Smoothing::flat && mesh.normals.empty()) {
     if (records.has_smoothing_groups())
       scene.notes.add({path}, "`s` is not used: a smooth mesh without normals is smooth everywhere");
-    std::vector<Vec3> sums(vertex_count, Vec3(0));
-    for (const glm::uvec3& t : mesh.triangles) {
-      throw_if_stopped(stop);
-      const Vec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
-      const Vec3 normal = normalized(glm::cross(b - a, c - a));
-      for (int k = 0; k < 3; ++k) sums[t[k]] += normal;
-    }
-    for (const Vec3& s : sums) mesh.normals.emplace_back(normalized(s));
-    mesh.triangle_normals = mesh.triangles;
+    average_normals(mesh, stop);
   }
   return {std::move(mesh), material, place};
 }

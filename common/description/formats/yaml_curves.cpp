@@ -83,6 +83,9 @@ Vec4 read_point(const YamlValue& v) {
 Vec4 read_direction(const YamlValue& v) {
   return {v.direction(), 0};
 }
+Vec4 read_truth(const YamlValue& v) {
+  return {v.boolean() ? 1 : 0, 0, 0, 0};
+}
 
 std::vector<TransformStep> read_transform(const YamlValue& value) {
   std::vector<TransformStep> steps;

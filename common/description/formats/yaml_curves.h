@@ -12,6 +12,7 @@ Curve read_curve(const YamlValue& value, Interpolation interpolation,
 
 Vec4 read_point(const YamlValue& value);
 Vec4 read_direction(const YamlValue& value);
+Vec4 read_truth(const YamlValue& value);  ///< true: x = 1
 
 /// A step or a list of steps.
 std::vector<TransformStep> read_transform(const YamlValue& value);

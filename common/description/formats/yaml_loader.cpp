@@ -9,6 +9,7 @@
 #include "common/description/formats/yaml_materials.h"
 #include "common/description/formats/yaml_reader.h"
 #include "common/description/formats/yaml_shapes.h"
+#include "common/description/formats/yaml_spectra.h"
 #include "common/description/formats/yaml_textures.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
@@ -35,12 +36,13 @@ class Loader {
     }
     YamlMap map(YamlValue(document, "the scene", path_, budget_));
     if (auto v = map.find("view")) read_view(*v);
-    if (auto v = map.find("background")) scene_.background = v->color();
+    if (auto v = map.find("background"))
+      scene_.background = read_color(*v, SpectralField::background, scene_.spectra);
     if (auto v = map.find("environment")) {
       if (map.has("background")) v->fail("give either `background` or `environment`, not both");
       read_environment(*v, folder(), scene_);
     }
-    if (auto v = map.find("ambient")) scene_.ambient = v->color();
+    if (auto v = map.find("ambient")) scene_.ambient = read_color(*v, SpectralField::ambient, scene_.spectra);
     if (auto v = map.find("frames")) read_frames(*v);
     if (auto v = map.find("lights")) read_lights(*v);
     scene_.materials.emplace_back("default");
@@ -104,7 +106,7 @@ class Loader {
 
   void read_lights(const YamlValue& value) {
     for (const YamlValue& item : value.items()) {
-      scene_.lights.push_back(read_light(item, folder(), scene_));
+      scene_.lights.push_back(read_light(item, folder(), scene_, scene_.spectra));
       if (scene_.lights.size() > limits::kLights) item.fail("too many lights");
     }
   }
@@ -116,7 +118,7 @@ class Loader {
 
   void read_materials(const YamlValue& value) {
     for (const auto& [key, v] : value.entries())
-      scene_.materials.push_back(read_material(key.text(), v, scene_.textures));
+      scene_.materials.push_back(read_material(key.text(), v, folder(), scene_));
     for (const MaterialDescription& m : scene_.materials) material_names_.push_back(m.name);
   }
 
@@ -166,25 +168,34 @@ class Loader {
     if (own_material) material = find_material(*own_material);
     std::string name;
     if (auto n = map.find("name")) name = n->text();
-    std::vector<TransformStep> transform;
-    if (auto t = map.find("transform")) transform = read_transform(*t);
+    ChildDescription child;
+    child.place = value.place();
+    if (auto t = map.find("transform")) child.transform = read_transform(*t);
+    if (auto v = map.find("visible")) child.visible = read_curve(*v, Interpolation::step, read_truth);
 
-    // A transform or a name makes a node of its own in the object tree; without either the entry joins its
-    // parent.
+    // What can move, come and go, or has a name is a node of its own in the object tree; any other entry
+    // joins its parent.
     uint32_t target = object;
-    if (!transform.empty() || !name.empty()) {
+    if (!child.transform.empty() || child.visible || !name.empty()) {
       target = add_object(name.empty() ? fmt::format("line {}", value.place().line) : name, value.place());
-      scene_.objects[object].children.push_back({target, std::move(transform), value.place()});
+      child.object = target;
+      scene_.objects[object].children.push_back(std::move(child));
     }
     read_content(map, value, target, material, depth);
     map.finish();
+    if (own_material && map.has("light"))
+      scene_.notes.add(scene_.source(own_material->place()),
+                       "a light has no material: `color` is its colour");
     if (own_material && map.has("mesh")) note_idle_material(*own_material, material, target);
   }
 
   /// A mesh whose file gives every face a material needs none.
   void note_idle_material(const YamlValue& value, uint32_t material, uint32_t object) {
     const auto& mesh = std::get<MeshShape>(scene_.objects[object].primitives.back().shape);
-    if (std::find(mesh.materials.begin(), mesh.materials.end(), material) == mesh.materials.end())
+    const auto has = [&](const std::vector<uint32_t>& materials) {
+      return std::find(materials.begin(), materials.end(), material) != materials.end();
+    };
+    if (!has(mesh.materials) && !has(mesh.polygons.materials))
       scene_.notes.add(
           scene_.source(value.place()),
           fmt::format("material '{}' is not used: the mesh's file gives all faces their materials",
@@ -210,6 +221,12 @@ class Loader {
       ++contents;
       read_mesh(*v, target, material);
     }
+    if (auto v = map.find("light")) {
+      ++contents;
+      LightDescription& light = scene_.objects[target].lights.emplace_back();
+      light.light = read_light(*v, folder(), scene_, light.spectra);
+      light.place = v->place();
+    }
     if (auto v = map.find("group")) {
       ++contents;
       read_children(*v, target, material, depth + 1);
@@ -225,9 +242,10 @@ class Loader {
       map.finish();  // an unknown key is the likelier mistake
       std::string words;
       for (const YamlShape& shape : yaml_shapes()) words += fmt::format("{}, ", shape.key);
-      value.fail(contents == 0
-                     ? fmt::format("an object needs one of: {}mesh, group, use", words)
-                     : "an object can hold only one shape, group or use; make each an entry of its own");
+      value.fail(
+          contents == 0
+              ? fmt::format("an object needs one of: {}mesh, light, group, use", words)
+              : "an object can hold only one shape, light, group or use; make each an entry of its own");
     }
   }
 

@@ -1,5 +1,9 @@
 #include "common/description/formats/yaml_shapes.h"
 
+#include "common/description/formats/mesh_faces.h"
+#include "common/description/formats/solids.h"
+#include "common/shapes/triangulate.h"
+
 namespace rayfarm {
 namespace {
 
@@ -61,7 +65,10 @@ std::vector<Shape> read_polygon(const YamlValue& value) {
   if (!polygon.normals.empty() && polygon.normals.size() != polygon.points.size())
     value.fail(fmt::format("the polygon has {} points but {} normals", polygon.points.size(),
                            polygon.normals.size()));
+  const bool is_asked = map.has("smooth");
   polygon.smoothing = read_smoothing(map, Smoothing::phong);
+  if (is_asked && polygon.smoothing != Smoothing::flat && polygon.normals.empty())
+    map.require("smooth").fail("a polygon is smooth by its normals: give `normals`, one for each point");
   map.finish();
   return {polygon};
 }
@@ -86,43 +93,123 @@ std::vector<Shape> read_box(const YamlValue& value) {
   return sides;
 }
 
-std::vector<Shape> read_triangles(const YamlValue& value) {
+/// A mesh's faces stand under `key`; each has `least_corners` at least, `most_corners` at most.
+std::vector<Shape> read_faces(const YamlValue& value, const char* key, size_t least_corners,
+                              size_t most_corners, const char* advice) {
   YamlMap map(value);
   MeshShape mesh;
-  for (const YamlValue& p : map.require("points").items()) mesh.positions.emplace_back(p.vector());
-  for (const YamlValue& t : map.require("triangles").items()) {
-    const std::vector<YamlValue> corners = t.items();
-    if (corners.size() != 3) t.fail("a triangle is three indices into `points`, counted from 0");
-    glm::uvec3 indices;
-    for (int k = 0; k < 3; ++k)
-      indices[k] = static_cast<uint32_t>(
-          corners[static_cast<size_t>(k)].whole_number_in(0, static_cast<int>(mesh.positions.size()) - 1));
-    mesh.triangles.push_back(indices);
-  }
+  const YamlValue points = map.require("points");
+  for (const YamlValue& p : points.items()) mesh.positions.emplace_back(p.vector());
+  if (mesh.positions.empty()) points.fail("a mesh needs points");
+  const YamlValue faces = map.require(key);
   if (auto normals = map.find("normals")) {
     for (const YamlValue& n : normals->items()) mesh.normals.emplace_back(n.direction());
     if (mesh.normals.size() != mesh.positions.size())
       value.fail(
           fmt::format("the mesh has {} points but {} normals", mesh.positions.size(), mesh.normals.size()));
-    mesh.triangle_normals = mesh.triangles;
   }
-  mesh.smoothing = read_smoothing(map, mesh.normals.empty() ? Smoothing::flat : Smoothing::phong);
+  const bool has_normals = !mesh.normals.empty();
+  mesh.smoothing = read_smoothing(map, has_normals ? Smoothing::phong : Smoothing::flat);
   map.finish();
+  std::vector<FaceCorner> corners;
+  for (const YamlValue& face : faces.items()) {
+    corners.clear();
+    for (const YamlValue& corner : face.items()) {
+      const auto point =
+          static_cast<uint32_t>(corner.whole_number_in(0, static_cast<int>(mesh.positions.size()) - 1));
+      corners.push_back({point, has_normals ? point : ~0u});
+    }
+    if (corners.size() < least_corners || corners.size() > most_corners) face.fail(advice);
+    add_face(mesh, corners, {});
+  }
+  if (mesh.smoothing != Smoothing::flat && !has_normals) average_normals(mesh, value.stop());
   return {std::move(mesh)};
+}
+
+std::vector<Shape> read_triangles(const YamlValue& value) {
+  return read_faces(value, "triangles", 3, 3, "a triangle is three indices into `points`, counted from 0");
+}
+
+std::vector<Shape> read_polygons(const YamlValue& value) {
+  return read_faces(value, "faces", 3, limits::kPolygonPoints,
+                    "a face is three or more indices into `points`, counted from 0");
+}
+
+/// Corners of a solid's outline, of two coordinates each; more would take long to look through for crossings.
+constexpr size_t kMostOutlineCorners = 20'000;
+
+std::vector<Vec2> read_outline(const YamlValue& value, const char* advice) {
+  std::vector<Vec2> outline;
+  for (const YamlValue& item : value.items()) {
+    const std::vector<double> p = item.numbers();
+    if (p.size() != 2) item.fail(advice);
+    if (!outline.empty() && outline.back() == Vec2(p[0], p[1])) item.fail("two points in a row are the same");
+    outline.emplace_back(p[0], p[1]);
+    if (outline.size() > kMostOutlineCorners)
+      item.fail(fmt::format("at most {} points can stand here", kMostOutlineCorners));
+  }
+  return outline;
+}
+
+void check_outline(const YamlValue& value, std::span<const Vec2> loop) {
+  std::vector<Vec3> points;
+  for (const Vec2& p : loop) points.emplace_back(p, 0);
+  if (crosses_itself(points, Vec3(0, 0, 1)))
+    value.fail(fmt::format("{} crosses itself; make several of it", value.what()));
+  if (loop.size() < 3 || twice_area(loop) == 0) value.fail(fmt::format("{} encloses nothing", value.what()));
+}
+
+std::vector<Shape> read_lathe(const YamlValue& value) {
+  YamlMap map(value);
+  const YamlValue outline = map.require("profile");
+  const std::vector<Vec2> profile =
+      read_outline(outline, "a point of a profile is [r, y]: its distance from the y axis, and its height");
+  if (profile.size() < 2) outline.fail("a profile needs at least 2 points");
+  for (const Vec2& p : profile)
+    if (p.x < 0) outline.fail(fmt::format("a distance from the axis can't be below 0, as {:g} is", p.x));
+  check_outline(outline, loop_of_profile(profile));
+  const YamlValue steps = map.require("sides");
+  const auto sides = static_cast<uint32_t>(steps.whole_number_in(3, 1'000'000));
+  if (sides * (profile.size() - 1) > limits::kSolidFaces)
+    steps.fail(fmt::format("a lathe can have at most {} faces", limits::kSolidFaces));
+  const Smoothing smoothing = read_smoothing(map, Smoothing::phong);
+  double crease = 30;
+  if (auto v = map.find("crease")) {
+    if (smoothing == Smoothing::flat)
+      v->fail("`crease` belongs to a smooth lathe; leave it out of a flat one");
+    crease = v->number_in(0, 179);
+  }
+  map.finish();
+  return {make_lathe(profile, sides, smoothing, crease)};
+}
+
+std::vector<Shape> read_extrude(const YamlValue& value) {
+  YamlMap map(value);
+  const YamlValue outline = map.require("polygon");
+  const std::vector<Vec2> polygon = read_outline(outline, "a point of the polygon is [x, z]");
+  if (polygon.size() >= 2 && polygon.front() == polygon.back())
+    outline.fail("the last point is the first again; leave it out, polygons are closed");
+  check_outline(outline, polygon);
+  const YamlValue height = map.require("height");
+  if (!(height.number() > 0)) height.fail("the height must be above 0");
+  map.finish();
+  return {make_prism(polygon, height.number())};
 }
 
 }  // namespace
 
 std::span<const YamlShape> yaml_shapes() {
   static constexpr YamlShape kShapes[] = {
-      {"sphere", read_sphere},      {"polygon", read_polygon}, {"box", read_box},
-      {"cylinder", read_cylinder},  {"cone", read_cone},       {"quadric", read_quadric},
-      {"triangles", read_triangles}};
+      {"sphere", read_sphere},       {"polygon", read_polygon},   {"box", read_box},
+      {"cylinder", read_cylinder},   {"cone", read_cone},         {"quadric", read_quadric},
+      {"triangles", read_triangles}, {"polygons", read_polygons}, {"lathe", read_lathe},
+      {"extrude", read_extrude}};
   return kShapes;
 }
 
 Smoothing read_smoothing(YamlMap& map, Smoothing fallback) {
-  if (auto v = map.find("smooth")) return static_cast<Smoothing>(v->choice({"flat", "phong", "center"}));
+  if (auto v = map.find("smooth"))
+    return static_cast<Smoothing>(v->choice({"flat", "phong", "center", "gouraud"}));
   return fallback;
 }
 

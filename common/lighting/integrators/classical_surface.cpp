@@ -2,7 +2,8 @@
 
 #include <numbers>
 
-#include "common/lighting/light_sampling.h"
+#include "common/lighting/glass_shadows.h"
+#include "common/lighting/integrators/gouraud.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "common/math/portable_math.h"
 
@@ -42,18 +43,27 @@ void add_light(const Facing& facing, Highlights::Shape shape) {
 
 }  // namespace
 
+void ClassicalSurface::apply_textures(const FrameContext& context, double width) {
+  const double choice =
+      material->kind == MaterialKind::mix ? context.tables.sampler.point(id, dimension::of_mix(stream)).x : 0;
+  color = textured(context.scene, context.pose, *ray, *hit, width, choice, surface).color;
+  material = &context.scene.materials[surface.material];
+}
+
 void add_direct_light(const FrameContext& context, const Highlights& highlights,
                       std::span<ClassicalSurface> surfaces, RayCounts& counts) {
   for (uint32_t i = 0; i < context.scene.lights.size(); ++i) {
     const Light& light = context.scene.lights[i];
     if (light.kind == LightKind::environment)
       continue;  // diffuse rays meet it, or ambient light stands for it
+    const LightPlace& place = context.pose[light];
     OfPacket<Ray> rays;
     OfPacket<Facing> facing;
     for (ClassicalSurface& s : surfaces) {
-      const bool is_mirrored = highlights.has_reflected_rays && has_extent(light) && s.material->reflect > 0;
+      if (s.surface.is_gouraud) continue;
+      const bool is_mirrored = highlights.has_reflected_rays && has_extent(light) && s.has_reflection();
       if (is_mirrored && !(s.material->diffuse > 0)) continue;
-      Vec3 target = light.position;
+      Vec3 target = place.position;
       Facing f{&s, target - s.surface.p, 0, light.color, !is_mirrored};
       if (light.kind != LightKind::point) {
         const LightSample sample =
@@ -71,9 +81,20 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     if (rays.empty()) continue;
     counts[RayKind::shadow] += rays.size();
     const uint32_t blocked = any_hits(context.scene, context.pose, rays.span());
-    for (size_t k = 0; k < facing.size(); ++k)
-      if (!(blocked >> k & 1)) add_light(facing[k], highlights.shape);
+    const bool is_glass_crossed = context.tables.settings.glass_shadows != GlassShadows::blocked;
+    for (size_t k = 0; k < facing.size(); ++k) {
+      if (blocked >> k & 1) {
+        if (!is_glass_crossed) continue;
+        const Media* const media = facing[k].surface->media;
+        const Color left = light_through_glass(context, rays[k], media ? *media : Media());
+        if (left == Color(0)) continue;
+        facing[k].light *= left;
+      }
+      add_light(facing[k], highlights.shape);
+    }
   }
+  for (ClassicalSurface& s : surfaces)
+    if (s.surface.is_gouraud) add_gouraud_light(context, highlights, s, counts);
 }
 
 }  // namespace rayfarm

@@ -2,6 +2,8 @@
 // Surfaces as the classical models see them (thesis 2.2): a colour, with coefficients for ambient, diffuse
 // and specular light, and a shadow ray to each source (Equation 2.4).
 #include "common/lighting/frame_context.h"
+#include "common/lighting/light_sampling.h"
+#include "common/lighting/media.h"
 #include "common/lighting/ray_counts.h"
 #include "common/lighting/textured.h"
 
@@ -9,35 +11,51 @@ namespace rayfarm {
 
 /// Where a ray met a surface, and the light that it sees there.
 struct ClassicalSurface {
-  /// No light yet. `width`: of the ray's cone at the hit; `stream` tells the rays of one sample apart, for
-  /// their random numbers.
-  ClassicalSurface(const FrameContext& context, const Ray& ray, const Hit& hit, double width,
+  /// No light yet. Ray and hit must outlive it. `width`: of the ray's cone at the hit; `stream` tells the
+  /// rays of one sample apart, for their random numbers.
+  ClassicalSurface(const FrameContext& context, const Ray& of_ray, const Hit& of_hit, double width,
                    const SampleId& of_sample, uint32_t of_stream)
-      : surface(eval_surface(context.scene, context.pose, ray, hit)),
+      : surface(eval_surface(context.scene, context.pose, of_ray, of_hit)),
         material(&context.scene.materials[surface.material]),
-        color(is_textured(*material)
-                  ? textured(context.scene, context.pose, ray, hit, *material, width, surface).color
-                  : material->color),
-        direction(ray.direction),
+        color(material->color),
+        direction(of_ray.direction),
+        ray(&of_ray),
+        hit(&of_hit),
         id(of_sample),
-        stream(of_stream) {}
+        stream(of_stream) {
+    if (is_textured(*material)) apply_textures(context, width);
+  }
 
   Surface surface;
   const Material* material;
   Color color;     ///< the material's, textured
   Vec3 direction;  ///< of the ray
+  const Ray* ray;
+  const Hit* hit;
   SampleId id;
   uint32_t stream;
-  Color diffuse{0};   ///< light that takes the surface's colour
-  Color specular{0};  ///< light that does not
+  const Media* media = nullptr;  ///< that the ray came through; null: none
+  Color diffuse{0};              ///< light that takes the surface's colour
+  Color specular{0};             ///< light that does not
 
   Color light() const { return color * diffuse + specular; }
   Interaction interaction() const { return interaction_at(surface, direction, *material); }
-  bool has_secondary_rays() const { return material->reflect > 0 || material->transmit > 0; }
-  void add_ambient_and_emission(const Scene& scene) {
-    diffuse = material->ambient * scene.head().ambient;
-    if (is_luminaire(*material)) specular += emitted(*material, interaction());
+  bool has_secondary_rays() const { return has_reflection() || material->transmit > 0; }
+  bool has_reflection() const { return material->reflect > 0 && has_reflected_rays(*material); }
+  Color emission(const FrameContext& context) const {
+    return emission_at(context.scene, context.pose, hit->instance, *material, interaction());
   }
+  void add_ambient(const Scene& scene, AmbientColour weighed_by) {
+    const Color ambient = material->ambient * scene.head().ambient;
+    (weighed_by == AmbientColour::surface ? diffuse : specular) += ambient;
+  }
+  void add_ambient_and_emission(const FrameContext& context) {
+    add_ambient(context.scene, context.tables.settings.ambient_colour);
+    if (is_luminaire(*material)) specular += emission(context);
+  }
+
+ private:
+  void apply_textures(const FrameContext& context, double width);
 };
 
 /// How sources show in surfaces.

@@ -1,25 +1,32 @@
 #include "common/lighting/integrators/lighting_tree.h"
 
+#include "common/lighting/lobe_rays.h"
+
 namespace rayfarm {
 
 SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& branch,
                              const RenderSettings& settings) {
   const Material& material = *surface.material;
+  const auto rays_of_lobe = [&](uint32_t wanted) { return material.exponent > 0 ? wanted : 1; };
   SecondaryRays rays;
   const Interaction at = surface.interaction();
   rays.reflect = material.reflect;
-  rays.transmit = material.transmit;
+  rays.transmit = material.transmit * material.interior;
   if (material.transmit > 0) {
     rays.transmitted = refracted(at);
+    const uint32_t wanted = rays_of_lobe(settings.transmitted_rays);
     if (rays.transmitted == Vec3(0))
       rays.reflect += material.transmit;
-    else
-      rays.is_transmitted = branch.transmissions < settings.max_transmissions &&
-                            branch.weight * material.transmit >= settings.min_weight;
+    else if (branch.transmissions < settings.max_transmissions &&
+             branch.weight * max_component(rays.transmit) / wanted >= settings.min_weight)
+      rays.transmitted_rays = wanted;
   }
-  rays.is_reflected =
-      branch.reflections < settings.max_reflections && branch.weight * rays.reflect >= settings.min_weight;
-  if (rays.is_reflected) rays.reflected = mirrored(at);
+  const uint32_t wanted = rays_of_lobe(settings.reflected_rays);
+  if (has_reflected_rays(material) && branch.reflections < settings.max_reflections &&
+      branch.weight * rays.reflect / wanted >= settings.min_weight) {
+    rays.reflected_rays = wanted;
+    rays.reflected = mirrored(at);
+  }
   return rays;
 }
 
@@ -43,23 +50,63 @@ Branch& LightingTree::grow(const Branch& from, const Surface& surface, const Vec
   batch.rays.push_back({surface.ray_origin(direction), direction});
   Branch& branch = batch.branches.push_back(from);
   branch.weight *= share;
-  ++(child == kTransmitted ? branch.transmissions : branch.reflections);
   branch.stream = static_cast<uint32_t>(mix_bits(uint64_t{from.stream} << 32 | child));
   return branch;
 }
 
-void LightingTree::grow_secondary(uint32_t fork, const Branch& from, const Surface& surface,
-                                  const SecondaryRays& rays, Batch& transmitted, Batch& reflected) {
-  if (rays.is_transmitted) {
-    grow(from, surface, rays.transmitted, rays.transmit, kTransmitted, transmitted).receiver = {
-        Receiver::Kind::transmitted, fork, 0, rays.transmit};
-    ++forks_[fork].pending;
+template <typename Cross>
+void LightingTree::grow_lobe(const FrameContext& context, Receiver receiver, const Branch& from,
+                             const ClassicalSurface& surface, const OfLobe& lobe, Batch*& batch,
+                             Cross cross) {
+  const auto grow_one = [&](const Vec3& direction, uint32_t child, const Receiver& to) {
+    if (batch->rays.is_full()) batch = &begin_batch(batch->depth);
+    Branch& branch =
+        grow(from, surface.surface, direction, max_component(lobe.share), lobe.child + child, *batch);
+    branch.receiver = to;
+    branch.receiver.share = lobe.share;
+    cross(branch);
+  };
+  if (lobe.rays == 1) return grow_one(lobe.axis, 0, receiver);
+  const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{from.stream} << 32 | lobe.child));
+  const LobeRays rays(lobe.axis, surface.material->exponent, surface.surface.geometric_normal, lobe.rays,
+                      context.tables.sampler.point(from.id, stream << 8 | dimension::kDirection));
+  // A fork for each ray but the last adds it to what the others bring, so that their order is always the
+  // same.
+  for (uint32_t ray = 0; ray < lobe.rays; ++ray) {
+    Receiver to = receiver;
+    if (ray + 1 < lobe.rays) {
+      const uint32_t fork = add_fork(receiver, Color(0));
+      forks_[fork].pending = 2;
+      to = {Receiver::Kind::transmitted, fork};
+      receiver = {Receiver::Kind::reflected, fork};
+    }
+    grow_one(rays[ray], ray * kOfLobe, to);
   }
-  if (rays.is_reflected) {
-    grow(from, surface, rays.reflected, rays.reflect, kReflected, reflected).receiver = {
-        Receiver::Kind::reflected, fork, 0, rays.reflect};
-    ++forks_[fork].pending;
+}
+
+void LightingTree::grow_secondary(const FrameContext& context, uint32_t fork, const Branch& from,
+                                  const ClassicalSurface& surface, const SecondaryRays& rays,
+                                  Batch*& transmitted, Batch*& reflected) {
+  forks_[fork].pending += (rays.transmitted_rays > 0 ? 1 : 0) + (rays.reflected_rays > 0 ? 1 : 0);
+  if (rays.transmitted_rays > 0) {
+    const bool is_lit_through = context.tables.settings.glass_shadows != GlassShadows::blocked;
+    const bool is_dielectric = surface.material->kind == MaterialKind::dielectric;
+    grow_lobe(context, {Receiver::Kind::transmitted, fork}, from, surface,
+              {rays.transmitted_rays, rays.transmitted,
+               rays.transmit / static_cast<double>(rays.transmitted_rays), kTransmitted},
+              transmitted, [&](Branch& branch) {
+                ++branch.transmissions;
+                branch.skips_sources = branch.skips_sources && is_lit_through;
+                if (is_dielectric) branch.media.cross(surface.surface.material, surface.surface.is_front);
+              });
   }
+  if (rays.reflected_rays > 0)
+    grow_lobe(context, {Receiver::Kind::reflected, fork}, from, surface,
+              {rays.reflected_rays, rays.reflected, Color(rays.reflect / rays.reflected_rays), kReflected},
+              reflected, [](Branch& branch) {
+                ++branch.reflections;
+                branch.skips_sources = false;
+              });
 }
 
 }  // namespace rayfarm

@@ -14,13 +14,13 @@ namespace rayfarm {
 
 /// Whom a ray brings its light to.
 struct Receiver {
-  /// A fork, of which it is the transmitted or the reflected branch; the eye; or something that the model
-  /// keeps itself.
+  /// A fork, of which it is the transmitted or the reflected branch (of a fork that adds up a lobe's rays:
+  /// one of them, or the rest); the eye; or something that the model keeps itself.
   enum class Kind : uint8_t { transmitted, reflected, eye, own };
   Kind kind = Kind::eye;
   uint32_t fork = 0;   ///< own: what the model likes
   uint32_t place = 0;  ///< eye: among the eye rays; own: what the model likes
-  double share = 1;    ///< of what the ray sees in what the fork shows
+  Color share{1};      ///< of what the ray sees in what the fork shows, or the model's own; not for the eye
 };
 
 /// Where a ray stands in its lighting tree.
@@ -32,6 +32,18 @@ struct Branch {
   /// Of its cone where it begins (once traced: where it ends), and what it gains with each unit of length.
   double width = 0, spread = 0;
   uint16_t reflections = 0, transmissions = 0;  ///< on the way from the eye, this ray's own with them
+  Media media;                                  ///< that it is in
+  /// Sources that it meets were found by the shadow rays of the surface that a diffuse ray left.
+  bool skips_sources = false;
+
+  /// It has met something. Media weaken what it brings.
+  void arrive(const Scene& scene, double distance) {
+    width += distance * spread;
+    if (media.is_in_air()) return;
+    const Color left = media.transmittance(scene, distance);
+    receiver.share *= left;
+    weight *= max_component(left);
+  }
 };
 static_assert(std::is_trivially_copyable_v<Branch>);
 
@@ -56,9 +68,10 @@ struct Batch {
 
 /// The rays that a surface refracts and mirrors.
 struct SecondaryRays {
-  bool is_transmitted = false, is_reflected = false;  ///< there is such a ray
-  Vec3 transmitted, reflected;                        ///< its direction, unit
-  double transmit = 0, reflect = 0;                   ///< its share
+  uint32_t transmitted_rays = 0, reflected_rays = 0;  ///< how many there are
+  Vec3 transmitted, reflected;                        ///< their axis, unit
+  Color transmit{0};                                  ///< the share of all of them together
+  double reflect = 0;
 };
 
 /// Those of a surface that has any. One that transmits also spawns a reflected ray, even one of weight 0 if
@@ -73,8 +86,9 @@ class LightingTree {
   /// Begins anew with eye rays, the first batch; `colors` are set as what they see is known.
   void plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors);
 
-  /// Numbers of the rays that leave a surface, which tell them apart; from kFirstOwn on they are the model's.
-  enum Child : uint32_t { kTransmitted = 1, kReflected, kFirstOwn };
+  /// Numbers of the rays that leave a surface, which tell them apart; from kFirstOwn on they are the model's,
+  /// and from kOfLobe on the others of a lobe, each that far from the one before it.
+  enum Child : uint32_t { kTransmitted = 1, kReflected, kFirstOwn, kOfLobe = 1 << 16 };
   /// A ray along `direction` from the surface that `from` met, whose width is that at the surface, enters the
   /// batch.
   static Branch& grow(const Branch& from, const Surface& surface, const Vec3& direction, double share,
@@ -82,9 +96,10 @@ class LightingTree {
   /// The surface that a ray met waits for others; `light` is what it shows without them.
   uint32_t add_fork(const Receiver& receiver, const Color& light) { return forks_.add(receiver, light); }
   Fork& operator[](uint32_t fork) { return forks_[fork]; }
-  /// The secondary rays that there are.
-  void grow_secondary(uint32_t fork, const Branch& from, const Surface& surface, const SecondaryRays& rays,
-                      Batch& transmitted, Batch& reflected);
+  /// The secondary rays that there are; others take the place of batches that are full.
+  void grow_secondary(const FrameContext& context, uint32_t fork, const Branch& from,
+                      const ClassicalSurface& surface, const SecondaryRays& rays, Batch*& transmitted,
+                      Batch*& reflected);
 
   /// An empty batch, to be filled, that is traced before all there are. It stays where it is until it is
   /// traced, and so do the others.
@@ -116,7 +131,7 @@ class LightingTree {
         colors_[receiver.place] = color;
         return std::nullopt;
       }
-      if (receiver.kind == Receiver::Kind::own) return Delivery{receiver, color};
+      if (receiver.kind == Receiver::Kind::own) return Delivery{receiver, receiver.share * color};
       Fork& fork = forks_[receiver.fork];
       (receiver.kind == Receiver::Kind::transmitted ? fork.transmitted : fork.reflected) =
           receiver.share * color;
@@ -135,6 +150,17 @@ class LightingTree {
   }
 
  private:
+  /// What tells a lobe's rays from others.
+  struct OfLobe {
+    uint32_t rays;
+    const Vec3& axis;
+    Color share;  ///< of each
+    uint32_t child;
+  };
+  template <typename Cross>
+  void grow_lobe(const FrameContext& context, Receiver receiver, const Branch& from,
+                 const ClassicalSurface& surface, const OfLobe& lobe, Batch*& batch, Cross cross);
+
   Pool<Fork> forks_;
   std::deque<Batch> batches_;  ///< the first `batch_count_` of them: what lies under others may have ended
   size_t batch_count_ = 0;

@@ -25,7 +25,7 @@ class LocalIntegrator : public Integrator {
         continue;
       }
       surfaces.emplace_back(context, rays[i], hits[i], hits[i].t * context.spread, ids[i], 0)
-          .add_ambient_and_emission(context.scene);
+          .add_ambient_and_emission(context);
       ray_of_surface.push_back(i);
     }
     if (!surfaces.empty()) add_direct_light(context, highlights_, surfaces.span(), counts);

@@ -7,7 +7,6 @@
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
 #include "common/lighting/textured.h"
-#include "common/math/portable_math.h"
 
 namespace rayfarm {
 namespace {
@@ -93,12 +92,14 @@ class PathTracer {
     Material with_texture;
     const Material* chosen = &scene_.materials[surface.material];
     if (is_textured(*chosen)) {
-      with_texture = textured(scene_, pose_, ray, hit, *chosen, path.width, surface);
+      const double choice = chosen->kind == MaterialKind::mix
+                                ? sampler_.point(path.id, dimension::of_mix(path.depth << 8)).x
+                                : 0;
+      with_texture = textured(scene_, pose_, ray, hit, path.width, choice, surface);
       chosen = &with_texture;
     }
     const Material& material = *chosen;
-    if (const uint32_t medium = path.media.current(scene_); medium != kNone)
-      absorb(path, scene_.materials[medium].filter, hit.t);
+    if (!path.media.is_in_air()) path.throughput *= path.media.transmittance(scene_, hit.t);
 
     Interaction at = interaction_at(surface, ray.direction, material);
     const bool is_dielectric = material.kind == MaterialKind::dielectric;
@@ -118,7 +119,15 @@ class PathTracer {
     Lobes lobes;
     scatter(material, at, lobes);
     keep_allowed(path, lobes);
-    add_direct_light(path, surface, at, lobes);
+    if (has_diffuse_rays(material)) {
+      add_direct_light(path, surface, at, lobes, lobes);
+    } else {
+      Lobes followed;
+      for (const Lobe& lobe : lobes)
+        if (is_followed(material, lobe)) followed.push_back(lobe);
+      add_direct_light(path, surface, at, lobes, followed);
+      lobes = followed;
+    }
     // Points are made only where they are asked for.
     const bool is_risky = path.depth >= kFirstRoulette;
     const Vec2 lobe = lobes.size() > 1 || is_risky ? point(path, dimension::kLobe) : Vec2(0);
@@ -154,15 +163,10 @@ class PathTracer {
     return sampler_.point(path.id, dimension::of_bounce(path.depth, use));
   }
 
-  static void absorb(Path& path, const Color& filter, double distance) {
-    for (int c = 0; c < 3; ++c)
-      if (filter[c] < 1) path.throughput[c] *= portable_pow(filter[c], distance);
-  }
-
   void add_emission(Path& path, const Ray& ray, const Hit& hit, const Surface& surface,
                     const Material& material, const Interaction& at) {
     if (!is_luminaire(material)) return;
-    Color light = path.throughput * emitted(material, at);
+    Color light = path.throughput * emission_at(scene_, pose_, hit.instance, material, at);
     if (path.pdf > 0)
       if (const uint32_t source = find_luminaire(scene_, hit.instance, hit.primitive); source != kNone)
         light *= balance(path.pdf, choice_probability(scene_, source) *
@@ -170,8 +174,13 @@ class PathTracer {
     colors_[path.place] += light;
   }
 
-  /// A shadow ray to one of the sources.
-  void add_direct_light(const Path& path, const Surface& surface, const Interaction& at, const Lobes& lobes) {
+  static bool is_followed(const Material& material, const Lobe& lobe) {
+    return lobe.is_transmitted || (has_reflected_rays(material) && lobe.spread != Lobe::Spread::diffuse);
+  }
+
+  /// A shadow ray to one of the sources. `followed`: the lobes along which paths may find it, too.
+  void add_direct_light(const Path& path, const Surface& surface, const Interaction& at, const Lobes& lobes,
+                        const Lobes& followed) {
     if (scene_.lights.empty()) return;
     const uint32_t source =
         scene_.lights.size() > 1 ? choose_light(scene_, point(path, dimension::kLight).x) : 0;
@@ -186,7 +195,8 @@ class PathTracer {
     const Scattered scattered = eval(lobes, at, sample.to_light);
     if (scattered.value == Color(0)) return;
     const double probability = choice_probability(scene_, source);
-    const double weight = sample.pdf > 0 ? balance(sample.pdf * probability, scattered.pdf) : 1;
+    const double other = &followed == &lobes ? scattered.pdf : eval(followed, at, sample.to_light).pdf;
+    const double weight = sample.pdf > 0 ? balance(sample.pdf * probability, other) : 1;
     const Vec3 origin = surface.ray_origin(sample.to_light);
     shadow_rays_.push_back({origin, sample.target - origin, 1});
     shadow_colors_.push_back(

@@ -112,11 +112,13 @@ class ThesisTracer {
       }
       ray_of_surface.push_back(i);
       Branch& branch = batch.branches[i];
-      branch.width += hits[i].t * branch.spread;
+      branch.arrive(scene_, hits[i].t);
       ClassicalSurface& surface =
           surfaces.emplace_back(context_, batch.rays[i], hits[i], branch.width, branch.id, branch.stream);
       GatheringRay* const ray = gathering_ray(branch.receiver);
-      if (is_luminaire(*surface.material)) add_emission(surface, hits[i], ray);
+      surface.media = &branch.media;
+      if (is_luminaire(*surface.material)) add_emission(surface, hits[i], branch, ray);
+      if (!has_diffuse_rays(*surface.material)) surface.add_ambient(scene_, AmbientColour::surface);
       if (!ray) continue;
       ray->distance = hits[i].t;
       if (!ray->serves_both) branch.weight *= strength(ray->distance);
@@ -132,14 +134,13 @@ class ThesisTracer {
   /// The rays that leave surfaces; `ray_of`: the ray of the batch that met each.
   void follow_others(const Batch& batch, std::span<const ClassicalSurface> surfaces,
                      std::span<const size_t> ray_of) {
-    Batch &reflected = tree_.begin_batch(batch.depth + 1), &transmitted = tree_.begin_batch(batch.depth + 1);
+    Batch *reflected = &tree_.begin_batch(batch.depth + 1),
+          *transmitted = &tree_.begin_batch(batch.depth + 1);
     for (size_t k = 0; k < surfaces.size(); ++k) {
       const Branch& branch = batch.branches[ray_of[k]];
       if (batch.depth == settings_.max_depth || !add_rays(branch, surfaces[k], transmitted, reflected))
         take(tree_.deliver(branch.receiver, surfaces[k].light()));
     }
-    counts_[RayKind::transmitted] += transmitted.rays.size();
-    counts_[RayKind::reflected] += reflected.rays.size();
   }
 
   /// The ray of a gathering, if it is one's.
@@ -148,12 +149,15 @@ class ThesisTracer {
   }
 
   /// A primary source that shadow rays are sent to must not be counted again when a diffuse ray meets it.
-  void add_emission(ClassicalSurface& surface, const Hit& hit, GatheringRay* ray) const {
-    const bool is_counted = ray && find_luminaire(scene_, hit.instance, hit.primitive) != kNone;
-    if (is_counted && !ray->serves_both) return;
-    const Color light = emitted(*surface.material, surface.interaction());
+  void add_emission(ClassicalSurface& surface, const Hit& hit, const Branch& branch,
+                    GatheringRay* ray) const {
+    const bool is_counted =
+        branch.skips_sources && find_luminaire(scene_, hit.instance, hit.primitive) != kNone;
+    const bool serves_both = ray && ray->serves_both;
+    if (is_counted && !serves_both) return;
+    const Color light = surface.emission(context_);
     surface.specular += light;
-    if (is_counted) ray->counted = light;
+    if (is_counted) ray->counted = branch.receiver.share * light;
   }
 
   /// What a gathering ray brings, if that is what was delivered.
@@ -182,17 +186,21 @@ class ThesisTracer {
   }
 
   /// All rays that leave a surface. False: there are none.
-  bool add_rays(const Branch& branch, const ClassicalSurface& surface, Batch& transmitted, Batch& reflected) {
+  bool add_rays(const Branch& branch, const ClassicalSurface& surface, Batch*& transmitted,
+                Batch*& reflected) {
     SecondaryRays secondary;
     if (surface.has_secondary_rays()) secondary = secondary_rays(surface, branch, settings_);
     const Color share = (surface.material->diffuse / settings_.diffuse_rays) * surface.color;
-    const bool is_gathered = branch.reflections < settings_.max_reflections && max_component(share) > 0 &&
+    const bool is_gathered = has_diffuse_rays(*surface.material) &&
+                             branch.reflections < settings_.max_reflections && max_component(share) > 0 &&
                              branch.weight * max_component(share) >= settings_.min_weight;
-    if (!is_gathered && !secondary.is_transmitted && !secondary.is_reflected) return false;
+    if (!is_gathered && secondary.transmitted_rays + secondary.reflected_rays == 0) return false;
     const uint32_t fork = tree_.add_fork(branch.receiver, surface.light());
-    if (is_gathered && begin_gathering(fork, transmitted.depth, branch, surface.surface, share, secondary))
-      secondary.is_reflected = false;
-    tree_.grow_secondary(fork, branch, surface.surface, secondary, transmitted, reflected);
+    if (is_gathered && begin_gathering(fork, transmitted->depth, branch, surface.surface, share, secondary))
+      secondary.reflected_rays = 0;
+    counts_[RayKind::transmitted] += secondary.transmitted_rays;
+    counts_[RayKind::reflected] += secondary.reflected_rays;
+    tree_.grow_secondary(context_, fork, branch, surface, secondary, transmitted, reflected);
     return true;
   }
 
@@ -223,7 +231,9 @@ class ThesisTracer {
     }
     const uint32_t place = gatherings_.add(fork, depth, part, branch, surface, turn, share);
     Gathering& gathering = gatherings_[place];
-    if (secondary.is_reflected) {
+    // A lobe's rays are spread over it otherwise than diffuse rays; and what a ray sees of sources through
+    // glass that shadow rays cross counts for the reflected term alone.
+    if (secondary.reflected_rays == 1 && settings_.glass_shadows == GlassShadows::blocked) {
       gathering.mirror = secondary.reflected;
       gathering.reflect = secondary.reflect;
       gathering.both = ray_about_mirror(gathering);
@@ -318,6 +328,8 @@ class ThesisTracer {
     Branch& branch = LightingTree::grow(gathering.branch, gathering.surface, direction, max_component(share),
                                         serves_both ? LightingTree::kReflected : child, batch);
     branch.receiver = {Receiver::Kind::own, place, static_cast<uint32_t>(ray)};
+    branch.skips_sources = true;
+    ++branch.reflections;
     if (!serves_both) branch.spread = kDiffuseSpread;
     ++counts_[serves_both ? RayKind::reflected : RayKind::diffuse];
   }

@@ -29,9 +29,11 @@ class WhittedIntegrator : public Integrator {
         continue;
       }
       Branch& branch = batch.branches[i];
-      branch.width += hits[i].t * branch.spread;
-      surfaces.emplace_back(context, batch.rays[i], hits[i], branch.width, branch.id, branch.stream)
-          .add_ambient_and_emission(context.scene);
+      branch.arrive(context.scene, hits[i].t);
+      ClassicalSurface& surface =
+          surfaces.emplace_back(context, batch.rays[i], hits[i], branch.width, branch.id, branch.stream);
+      surface.media = &branch.media;
+      surface.add_ambient_and_emission(context);
       ray_of_surface.push_back(i);
     }
     if (!surfaces.empty()) {
@@ -47,21 +49,22 @@ class WhittedIntegrator : public Integrator {
                         std::span<const ClassicalSurface> surfaces, std::span<const size_t> ray_of,
                         RayCounts& counts) {
     const RenderSettings& settings = context.tables.settings;
-    Batch &reflected = tree_.begin_batch(batch.depth + 1), &transmitted = tree_.begin_batch(batch.depth + 1);
+    Batch *reflected = &tree_.begin_batch(batch.depth + 1),
+          *transmitted = &tree_.begin_batch(batch.depth + 1);
     for (size_t k = 0; k < surfaces.size(); ++k) {
       const Branch& branch = batch.branches[ray_of[k]];
       SecondaryRays secondary;
       if (batch.depth < settings.max_depth && surfaces[k].has_secondary_rays())
         secondary = secondary_rays(surfaces[k], branch, settings);
-      if (!secondary.is_transmitted && !secondary.is_reflected) {
+      if (secondary.transmitted_rays + secondary.reflected_rays == 0) {
         tree_.deliver(branch.receiver, surfaces[k].light());
         continue;
       }
       const uint32_t fork = tree_.add_fork(branch.receiver, surfaces[k].light());
-      tree_.grow_secondary(fork, branch, surfaces[k].surface, secondary, transmitted, reflected);
+      tree_.grow_secondary(context, fork, branch, surfaces[k], secondary, transmitted, reflected);
+      counts[RayKind::transmitted] += secondary.transmitted_rays;
+      counts[RayKind::reflected] += secondary.reflected_rays;
     }
-    counts[RayKind::transmitted] += transmitted.rays.size();
-    counts[RayKind::reflected] += reflected.rays.size();
   }
 
   LightingTree tree_;

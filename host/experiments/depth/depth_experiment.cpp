@@ -8,6 +8,7 @@
 
 #include "host/experiments/page.h"
 #include "host/experiments/pictures.h"
+#include "host/experiments/plots.h"
 #include "host/files/text_file.h"
 #include "host/process/exit_code.h"
 #include "host/render/render_options.h"
@@ -166,7 +167,7 @@ void write_plots(const fs::path& folder, const std::vector<Series>& series,
     }
     write_text_file((folder / fmt::format("{}.dat", series[s].name)).string(), data);
   }
-  draw_plots(folder, "depth", kPlots);
+  draw_plots(folder, "depth.gp", kPlots);
 }
 
 std::string page_text(const std::vector<Series>& series, const std::vector<Results>& results) {

@@ -79,8 +79,8 @@ std::vector<BalanceRun> measure_balance(const LocalRuns& runs, const std::string
     s.policy = c.policy;
     s.rotates = c.rotates;
     s.subpolygons_per_processor = c.subpolygons;
-    s.least_side_px = 8;
     s.form = ResultForm::compressed;
+    s.least_side_px = least_side_of(s.form);
     s.messages_held = 0;
     s.rate_bit_per_s = 1e12;
     s.cost = read_cost_map(job.cost_map);

@@ -83,6 +83,8 @@ class NetLoad {
   }
 
   NetLoadPage run() {
+    page_.rays = measure_ray_shares(runs_, options_.scenes, setup_.width_px);
+    page_.sizes = measure_sizes(runs_, scene_, setup_.width_px / 2);
     calibrate(setup_);
     measure_loading();
     measure_knees();
@@ -234,7 +236,7 @@ class NetLoad {
       s.form = form;
       s.pixels_per_message = static_cast<int>(kPixelsPerTransfer);
       s.messages_held = 0;
-      s.least_side_px = 8;
+      s.least_side_px = least_side_of(s.form);
       s.rate_bit_per_s = rate;
       s.cost = read_cost_map(runs_.file(name + ".map.json").string());
       const double plain = simulate(s).bytes;

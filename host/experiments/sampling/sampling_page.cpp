@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "host/experiments/page.h"
+#include "host/experiments/plots.h"
 #include "host/files/text_file.h"
 
 namespace rayfarm {
@@ -265,7 +266,7 @@ void write_plots(const SamplingPage& page, const fs::path& folder) {
         "linespoints lc (i-1) title columnheader(i)\n",
         scene.name, page.patterns.size() + 1);
   }
-  draw_plots(folder, "sampling", script);
+  draw_plots(folder, "sampling.gp", script);
 }
 
 Table long_table(const SamplingPage& page) {
