@@ -2,8 +2,10 @@
 
 #include "host/commands/commands.h"
 #include "host/experiments/colour/colour_experiment.h"
+#include "host/experiments/depth/depth_experiment.h"
 #include "host/experiments/lighting/lighting_experiment.h"
 #include "host/experiments/net-load/net_load_experiment.h"
+#include "host/experiments/sampling/sampling_experiment.h"
 #include "host/experiments/smoothing/smoothing_experiment.h"
 #include "host/experiments/working-sets/working_sets.h"
 
@@ -18,7 +20,9 @@ struct ExperimentChoice {
 int run_experiment(const ExperimentChoice& choice, const Renders& renders) {
   ExperimentOptions options = choice.options;
   if (options.output.empty()) options.output = "out/" + choice.name;
+  if (choice.name == "depth") return run_depth_experiment(options, renders.here);
   if (choice.name == "net-load") return run_net_load_experiment(options, renders.here);
+  if (choice.name == "sampling") return run_sampling_experiment(options, renders.here);
   if (choice.name == "smoothing") return run_smoothing_experiment(options);
   if (choice.name == "working-sets") return run_working_set_experiment(options);
   if (choice.name == "colour") return run_colour_experiment(options, renders.here);
@@ -33,20 +37,29 @@ void add_experiment_command(CommandLine& line) {
   Verb verb;
   verb.name = "experiment";
   verb.help = "reproduce an experiment of the seeds, and write a page about it";
+  verb.check = [choice] {
+    if (choice->name != "sampling" && (choice->options.samples || choice->options.seeds))
+      throw UsageError("--samples and --seeds belong to the experiment sampling");
+  };
   verb.run = [choice](const Renders& renders) { return run_experiment(*choice, renders); };
   Options options = line.add(std::move(verb));
   options
       .word(
           "NAME", [choice = choice.get()](const std::string& name) { choice->name = name; },
-          {"colour", "lighting", "net-load", "smoothing", "working-sets"},
+          {"colour", "depth", "lighting", "net-load", "sampling", "smoothing", "working-sets"},
           "colour: RGB and spectra at 4, 20 and any wavelengths, section 2.1 of Shirley, Sung and Brown; "
-          "lighting: the pictures of the thesis's chapter 3; net-load: processor counts against the net's "
-          "load, section 4.4.4.2; smoothing: the light of a turning mesh, section 2.3.5; working-sets: Table "
-          "4.12")
+          "depth: "
+          "limits of the lighting tree, section 2.3.4; lighting: the pictures of the thesis's chapter 3; "
+          "net-load: processor counts against the net's load, section 4.4.4.2; sampling: the accuracy of "
+          "patterns, section 2.2.1 of Shirley, Sung and Brown; smoothing: the light of a turning mesh, "
+          "section "
+          "2.3.5; working-sets: Table 4.12")
       .required();
   options.text("-o,--output", o.output, "folder for page, pictures and numbers (default: out/NAME)");
   options.text("--scenes", o.scenes, "folder that holds the scenes (default: scenes)");
   options.number("--width", o.width_px, 8, 65536, "of the pictures in pixels (default: the scenes')");
+  options.number("--samples", o.samples, 2, 256, "sampling: the most per pixel (default: 256)");
+  options.number("--seeds", o.seeds, 1, 1000, "sampling: pictures of each kind (default: 5)");
   options.text("--cluster", o.cluster,
                "net-load: the script that makes a virtual cluster (default: deploy/virtual-cluster)");
 }

@@ -1,5 +1,7 @@
 #pragma once
 // What every experiment is asked for.
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "host/render/run_render.h"
@@ -9,6 +11,7 @@ namespace rayfarm {
 struct ExperimentOptions {
   std::string output;                              ///< folder of page, pictures and numbers
   std::string scenes = "scenes";                   ///< the folder that holds them
+  std::optional<uint32_t> samples, seeds;          ///< of the sampling experiment; empty: 256 and 5
   int width_px = 0;                                ///< of the pictures; 0: as the scenes have it
   std::string cluster = "deploy/virtual-cluster";  ///< the program that makes one
 };

@@ -413,6 +413,41 @@ class Experiments(JobTest):
             self.assertIn(f"![{row.split(',')[0]}]", page)
             self.assertTrue((self.folder / "page" / f"{row.split(',')[0]}.png").exists())
 
+    def test_depth_writes_its_page(self):
+        # Thesis 2.3.4: what is missing behind four or five reflections and seven transparent objects.
+        result = self.run_alone("experiment", "depth", "-o", self.folder / "page", "--scenes", SCENES, "--width", "20")
+        self.assertEqual(result.code, 0, result.stderr)
+        rows = [row.split(",") for row in (self.folder / "page" / "depth.csv").read_text().replace('"4 and 7, the default"', "default").splitlines()]
+        self.assertEqual(len(rows), 2 + 3 * (3 * 14 + 7))
+        rms = {tuple(row[:3]): float(row[6]) for row in rows[2:]}
+        for scene, series in (("mirrors", "reflections"), ("glass", "transmissions"), ("both", "reflections"), ("both", "transmissions")):
+            errors = [rms[series, str(n), scene] for n in (0, 4, 7, 14)]
+            self.assertEqual(errors, sorted(errors, reverse=True))
+            self.assertLess(errors[-1], 0.1 * errors[0])
+        self.assertEqual(rms["transmissions", "0", "mirrors"], 0)
+        self.assertLess(rms["together", "default", "both"], rms["together", "--max-depth 5", "both"])
+        page = (self.folder / "page" / "README.md").read_text()
+        self.assertRegex(page, r"\| 7 \| [0-9.e-]+ \| [0-9.]+ % \| [01]\.\d{3} \|")
+        for scene in ("mirrors", "glass", "both"):
+            self.assertIn(f"![{scene}]({scene}.png)", page)
+            self.assertTrue((self.folder / "page" / f"{scene}.png").exists())
+
+    def test_sampling_writes_its_page(self):
+        # Shirley, Sung and Brown 1991, 2.2.1: errors by pattern and number of samples.
+        result = self.run_alone("experiment", "sampling", "-o", self.folder / "page", "--scenes", SCENES, "--width", "12", "--samples", "8", "--seeds", "2")
+        self.assertEqual(result.code, 0, result.stderr)
+        rows = [row.split(",") for row in (self.folder / "page" / "sampling.csv").read_text().splitlines()]
+        self.assertEqual(len(rows), 2 + 6 * 7 * 4)
+        rms = {(row[0], row[1], int(row[2])): float(row[3]) for row in rows[2:]}
+        self.assertTrue(all(0 < error < 2 for error in rms.values()))
+        for scene in ("edges_upright", "soft_shadow", "gloss", "depth_of_field"):
+            for pattern in ("n-rooks", "sobol"):
+                self.assertLess(rms[scene, pattern, 8], 0.8 * rms[scene, pattern, 1], (scene, pattern))
+        page = (self.folder / "page" / "README.md").read_text()
+        self.assertIn("of 18 cases here", page)
+        self.assertRegex(page, r"\| 8 \|( \d\.\d\de[+-]\d\d ± \d+ % \|){7}")
+        self.assertEqual(self.run_alone("experiment", "depth", "--seeds", "3").code, 2)
+
     def test_colour_writes_its_page(self):
         result = self.run_alone("experiment", "colour", "-o", self.folder / "page", "--scenes", SCENES, "--width", "8")
         self.assertEqual(result.code, 0, result.stderr)
@@ -433,6 +468,9 @@ class Experiments(JobTest):
             self.assertTrue((self.folder / "page" / name).exists(), name)
 
     def test_missing_scenes_and_names(self):
+        result = self.run_alone("experiment", "depth", "-o", self.folder / "page", "--scenes", self.folder / "none")
+        self.assertEqual(result.code, 3, result.stderr)
+        self.assertIn("mirrors.yaml", result.stderr)
         result = self.run_alone("experiment", "lighting", "-o", self.folder / "page", "--scenes", self.folder / "none")
         self.assertEqual(result.code, 3, result.stderr)
         self.assertIn("goral_room.yaml", result.stderr)

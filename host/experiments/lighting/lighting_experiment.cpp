@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "common/errors/input_error.h"
+#include "host/experiments/page.h"
 #include "host/farm/job_result.h"
 #include "host/files/json.h"
 #include "host/files/text_file.h"
@@ -72,10 +72,7 @@ Outcome read_outcome(const std::filesystem::path& stats) {
 }  // namespace
 
 int run_lighting_experiment(const ExperimentOptions& options, const RunRender& render) {
-  const std::filesystem::path folder(options.output);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw IoError(fmt::format("{}: can't be made: {}", folder.string(), error.message()));
+  const std::filesystem::path folder = make_page_folder(options.output);
   std::string csv =
       "picture,plate,scene,samples,primary,shadow,reflected,transmitted,diffuse,rays,rays_ratio,trace_s,time_"
       "ratio\n";

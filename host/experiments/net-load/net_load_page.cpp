@@ -6,11 +6,11 @@
 #include <cmath>
 #include <filesystem>
 
+#include "host/experiments/page.h"
 #include "host/experiments/plots.h"
 #include "host/files/text_file.h"
 #include "host/instrument/model.h"
 #include "host/instrument/simulator.h"
-#include "host/instrument/table.h"
 
 namespace rayfarm {
 namespace {
@@ -224,25 +224,6 @@ void write_plots(const NetLoadPage& page, const Table& beyond, const fs::path& f
   write_text_file((folder / "beyond.dat").string(), curves);
   write_text_file((folder / "rays.dat").string(), ray_shares_data(page.rays));
   draw_plots(folder, "net_load.gp", kPlots);
-}
-
-std::string markdown(const Table& table) {
-  std::string out = "|", line = "|";
-  for (size_t i = 0; i < table.columns.size(); ++i) {
-    out += " " + table.columns[i] + " |";
-    line += !table.rows.empty() && std::holds_alternative<double>(table.rows[0][i]) ? "---:|" : "---|";
-  }
-  out += "\n" + line + "\n";
-  for (const auto& row : table.rows) {
-    out += "|";
-    for (const TableCell& cell : row)
-      out += " " +
-             (std::holds_alternative<double>(cell) ? fmt::format("{:.4g}", std::get<double>(cell))
-                                                   : std::get<std::string>(cell)) +
-             " |";
-    out += "\n";
-  }
-  return out;
 }
 
 std::string page_text(const NetLoadPage& page, const Table& beyond, const Table& further) {
