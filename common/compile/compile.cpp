@@ -5,6 +5,7 @@
 #include "common/compile/objects.h"
 #include "common/compile/parts.h"
 #include "common/compile/shapes.h"
+#include "common/compile/spectra.h"
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
 
@@ -22,6 +23,14 @@ void add_view(SceneArrays<GrowingArray>& arrays, const SceneDescription& descrip
   record.focus = add_curve(arrays, view.focus);
   record.aspect = view.aspect;
   record.lens_radius = view.lens_radius;
+}
+
+void add_materials(SceneArrays<GrowingArray>& arrays, const SceneDescription& description) {
+  for (const MaterialDescription& m : description.materials) {
+    add_spectra(arrays, m.spectra, arrays.materials.size());
+    arrays.materials.push_back(m);
+  }
+  for (const SpectrumDescription& s : description.spectra) add_spectra(arrays, std::span(&s, 1), s.index);
 }
 
 /// The parts of a scene as they are made.
@@ -89,7 +98,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   arrays.header[0].background = description.background;
   arrays.header[0].ambient = description.ambient;
   add_view(arrays, description);
-  for (const MaterialDescription& m : description.materials) arrays.materials.push_back(m);
+  add_materials(arrays, description);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
   add_listed_lights(arrays, description);
   PartCompiler parts(arrays, description, options);

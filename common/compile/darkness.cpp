@@ -257,13 +257,16 @@ void add_notes_of_darkness(const SceneDescription& description, const Scene& sce
 }
 
 bool is_dark(const Scene& scene, const RenderSettings& settings) {
-  const std::vector<bool> is_used = materials_in_use(scene);
+  std::vector<bool> is_used = materials_in_use(scene);
+  for (size_t i = is_used.size(); i-- > 0;)
+    if (is_used[i] && scene.materials[i].kind == MaterialKind::mix)
+      for (const uint32_t part : scene.materials[i].parts) is_used[part] = true;
   const SceneHeader& head = scene.head();
   if (head.background != Color(0)) return false;  // of an environment, too
   for (const Light& light : scene.lights)
     if (light.kind < LightKind::environment && light.color != Color(0)) return false;
   for (size_t i = 0; i < is_used.size(); ++i) {
-    if (!is_used[i]) continue;
+    if (!is_used[i] || scene.materials[i].kind == MaterialKind::mix) continue;
     const Material& m = scene.materials[i];
     if (is_luminaire(m)) return false;
     const bool has_ambient = settings.lighting == LightingModel::path ? false

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "common/compile/spectra.h"
 #include "common/errors/input_error.h"
 #include "common/hierarchy/frame_state.h"
 
@@ -90,6 +91,7 @@ void ObjectTree::add_light(const LightDescription& light, uint32_t node, bool mo
             "or make lamps of luminous spheres and polygons",
             limits::kLights));
   const auto index = static_cast<uint32_t>(arrays_.lights.size());
+  add_spectra(arrays_, light.spectra, index);
   arrays_.lights.push_back(light.light);
   arrays_.lights.back().object_node = node;
   if (moves) {

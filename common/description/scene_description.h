@@ -16,6 +16,7 @@
 #include "common/scene/animation.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/light.h"
+#include "common/scene/spectral_color.h"
 #include "common/shapes/polygon.h"
 #include "common/textures/texture.h"
 
@@ -36,8 +37,10 @@ inline constexpr size_t kInstances = 4'000'000;  ///< the object tree, expanded
 inline constexpr size_t kLights = 10'000;        ///< the list's, and the objects', expanded
 inline constexpr size_t kLuminaires = 100'000;   ///< luminous primitives, expanded
 inline constexpr size_t kKeys = 1'000'000;
+inline constexpr size_t kSpectrumNodes = 10'000;        ///< of one spectrum
 inline constexpr uint64_t kTexturePixels = 1ull << 28;  ///< of one image, 16384²: 2 GiB with its mip map
-inline constexpr uint64_t kTexels = 1ull << 30;         ///< of all images with their mip maps: 6 GiB
+inline constexpr uint64_t kArrayCells = 1ull << 26;     ///< of one array, 406³: 0.5 GiB with its mip map
+inline constexpr uint64_t kTexels = 1ull << 30;  ///< of all images and arrays with their mip maps: 6 GiB
 inline constexpr double kCoordinate = 1e15;
 }  // namespace limits
 
@@ -48,17 +51,25 @@ struct Place {
   int column = 0;
 };
 
+/// A colour that is given as a spectrum.
+struct SpectrumDescription {
+  SpectralField field = SpectralField::color;
+  uint32_t index = 0;  ///< of the light
+  std::vector<SpectrumNode> nodes;
+};
+
 /// Classical: I = color (ambient Ia + diffuse sum S I cos) + specular sum S I cos^shininess + reflect R +
 /// transmit T (Equations 2.4 and 2.12, with a colour for the diffuse terms).
 struct MaterialDescription : Material {
   MaterialDescription() = default;
   explicit MaterialDescription(std::string of_name) : name(std::move(of_name)) {}
   std::string name;
+  std::vector<SpectrumDescription> spectra;  ///< of its own colours
 };
 
 struct TextureDescription : Texture {
   std::string name;
-  std::vector<uint16_t> texels;  ///< of an image
+  std::vector<uint16_t> texels;  ///< of an image or array
 };
 
 struct DiagramDescription : GoniometricDiagram {
@@ -143,6 +154,7 @@ struct ChildDescription {
 struct LightDescription {
   Light light;
   Place place;
+  std::vector<SpectrumDescription> spectra{};
 };
 
 /// A node of the object tree. An object may be the child of several others, but never of itself.
@@ -163,7 +175,8 @@ struct SceneDescription {
   Color ambient{1};                               ///< Ia
   std::vector<Light> lights;                      ///< in the world; objects have others, and luminaires
   std::vector<DiagramDescription> diagrams;       ///< that lights name
-  std::vector<MaterialDescription> materials;
+  std::vector<SpectrumDescription> spectra;       ///< of those lights, background and ambient light
+  std::vector<MaterialDescription> materials;     ///< the parts of a mix before it
   std::vector<TextureDescription> textures;
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;

@@ -4,15 +4,18 @@
 
 namespace rayfarm {
 
-void load_scene_image(SceneDescription& scene, const std::string& path, TextureDescription& texture,
-                      const std::stop_token& stop) {
+uint64_t texels_left(const SceneDescription& scene) {
   uint64_t used = scene.environment ? scene.environment->texels.size() / 3 : 0;
   for (const TextureDescription& t : scene.textures) used += t.texels.size() / 3;
+  return limits::kTexels - std::min(limits::kTexels, used);
+}
+
+void load_scene_image(SceneDescription& scene, const std::string& path, TextureDescription& texture,
+                      const std::stop_token& stop) {
   // A mip map takes at most half as many texels again, in the worst case of an image one pixel wide as many.
-  const uint64_t left = limits::kTexels - std::min(limits::kTexels, used);
   texture.kind = TextureKind::image;
   texture.is_mapped = 1;
-  texture.texels = load_texels(path, texture, std::min(limits::kTexturePixels, left / 2), stop);
+  texture.texels = load_texels(path, texture, std::min(limits::kTexturePixels, texels_left(scene) / 2), stop);
   scene.files.push_back(path);
 }
 

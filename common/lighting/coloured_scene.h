@@ -2,7 +2,7 @@
 // The scene as one colour pass sees it: materials and lights with the pass's channels in place of red, green
 // and blue. All else is shared with the scene block.
 #include "common/lighting/frame_lights.h"
-#include "common/materials/spectrum.h"
+#include "common/scene/render_settings.h"
 #include "common/scene/scene.h"
 
 namespace rayfarm {
@@ -17,6 +17,8 @@ class ColouredScene {
   void set_lights(const FrameLights& lights);
 
  private:
+  Color* color_of(const SpectralColor& c);
+
   ColourPass pass_;
   Scene scene_;
   std::vector<SceneHeader> header_;
@@ -26,7 +28,12 @@ class ColouredScene {
   std::vector<double> shares_;
 };
 
+/// The wavelengths, in nm, at which the settings' colour model knows spectra; none for RGB. The general model
+/// (Shirley, Sung and Brown 1991, section 2.1) has those of all colours of the scene, so that each is what it
+/// is, and products of theirs are right at every node.
+std::vector<double> colour_nodes(const Scene& scene, const RenderSettings& settings);
+
 /// One for each pass of a job.
-std::vector<ColouredScene> make_coloured_scenes(const Scene& scene, ColourModel model);
+std::vector<ColouredScene> make_coloured_scenes(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace rayfarm

@@ -304,7 +304,7 @@ class Renderer::Rendering {
 Renderer::Renderer(const Scene& scene, const RenderSettings& settings)
     : scene_(scene),
       settings_(settings),
-      passes_(make_coloured_scenes(scene, settings.colour)),
+      passes_(make_coloured_scenes(scene, settings)),
       integrator_(make_integrator(settings.lighting)),
       filter_(settings.filter),
       moments_(scene) {}

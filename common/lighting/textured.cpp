@@ -92,9 +92,8 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
   return {longitude(d.x, d.z), (p.y - box.lo.y) / std::max(box.hi.y - box.lo.y, 1e-300)};
 }
 
-Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit,
-                  const Material& material, double width, Surface& surface) {
-  Material result = material;
+Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
+                  double choice, Surface& surface) {
   const InstancePose& place = pose[hit.instance];
   const Vec3 p_world = ray.origin + hit.t * ray.direction;
   const Vec3 p = place.is_identity ? p_world : place.object_from_world.point(p_world);
@@ -112,6 +111,17 @@ Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hi
   const double per_step = width / step;
   TexturePoint at{p, uv, per_step * std::max(glm::length(dx), glm::length(dy)),
                   per_step * std::max(glm::length(du), glm::length(dv))};
+  while (scene.materials[surface.material].kind == MaterialKind::mix) {
+    const Material& mix = scene.materials[surface.material];
+    const double second =
+        std::clamp(luminance(eval_texture(scene.textures[mix.texture], scene.texels, at)), 0.0, 1.0);
+    const bool is_second = choice < second;
+    surface.material = mix.parts[is_second ? 1 : 0];
+    // What is left of the choice chooses within a part that is a mix itself.
+    choice = is_second ? choice / second : (choice - second) / (1 - second);
+  }
+  const Material& material = scene.materials[surface.material];
+  Material result = material;
   if (material.texture != kNone)
     result.color *= glm::max(
         scene.head().channels_from_rgb * eval_texture(scene.textures[material.texture], scene.texels, at),

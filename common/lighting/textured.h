@@ -1,5 +1,5 @@
 #pragma once
-// Materials whose colour or shape a texture varies over their surface.
+// Materials whose colour, shape or substance a texture varies over their surface.
 #include "common/lighting/surface.h"
 
 namespace rayfarm {
@@ -15,9 +15,11 @@ inline bool is_textured(const Material& material) {
 /// mesh's coordinates, or as polygons.
 Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p);
 
-/// The material as the texture has it where the ray met the surface, whose shading normal a bump map tilts.
-/// `width`: of the ray's cone there, in the world.
-Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit,
-                  const Material& material, double width, Surface& surface);
+/// The surface's material as textures have it where the ray met it, whose shading normal a bump map tilts. Of
+/// a mix `choice`, uniform in [0, 1), chooses the part with the probability that its texture gives it; the
+/// surface then is of that part. So each look is there as often as it should be, in every lighting model, and
+/// the mean over samples is the mean of the parts' light. `width`: of the ray's cone there, in the world.
+Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
+                  double choice, Surface& surface);
 
 }  // namespace rayfarm

@@ -1,5 +1,6 @@
 #pragma once
 // What a surface is made of: plain data, the same in a scene's description and in its compiled block.
+#include <array>
 #include <cstdint>
 
 #include "common/math/index.h"
@@ -16,7 +17,8 @@ enum class MaterialKind : uint32_t {
   dielectric,  ///< index, filter, exponent, priority
   polished,    ///< color: the substrate's albedo; index, exponent: of the polish
   translucent,  ///< color, back: the albedos of the two sides; through: what passes diffusely
-  luminaire     ///< color: the albedo; emission, exponent, is_inward
+  luminaire,    ///< color: the albedo; emission, exponent, is_inward
+  mix           ///< parts, texture: which of them is where; nothing else of it is read
 };
 
 /// Which rays a material reflects ("It is useful to be able to turn off reflections from a particular
@@ -58,6 +60,9 @@ struct Material {
   uint32_t diagram = kNone;
   uint32_t reserved = 0;
   Vec3 diagram_axis{0, -1, 0}, diagram_zero{1, 0, 0};
+  /// Of a mix: materials before it. Where the texture is black the first is there, where it is white the
+  /// second, in between each with that probability.
+  std::array<uint32_t, 2> parts{kNone, kNone};
 };
 
 inline bool has_reflected_rays(const Material& m) {

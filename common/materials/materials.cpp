@@ -79,6 +79,8 @@ void scatter(const Material& material, const Interaction& at, Lobes& lobes) {
       return polished(material, at, lobes);
     case MaterialKind::translucent:
       return translucent(material, at, lobes);
+    case MaterialKind::mix:  // its parts scatter
+      return;
   }
 }
 

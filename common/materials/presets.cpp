@@ -65,6 +65,11 @@ ConductorConstants conductor_at(uint32_t metal, double wavelength_nm) {
   const Constant c = at_wavelength(kConductors.at(metal).second, wavelength_nm);
   return {c.n, c.k};
 }
+std::vector<double> conductor_wavelengths(uint32_t metal) {
+  std::vector<double> wavelengths;
+  for (const Constant& c : kConductors.at(metal).second) wavelengths.push_back(c.wavelength_nm);
+  return wavelengths;
+}
 const std::vector<std::string>& conductor_names() {
   static const std::vector<std::string> names = names_of(kConductors);
   return names;

@@ -1,6 +1,6 @@
 #include "common/materials/spectrum.h"
 
-#include <array>
+#include <algorithm>
 
 #include "common/math/portable_math.h"
 
@@ -25,24 +25,28 @@ Vec3 rgb_from_xyz(const Vec3& xyz) {
           0.0557 * xyz.x - 0.2040 * xyz.y + 1.0570 * xyz.z};
 }
 
-constexpr double kFirst_nm = 380, kLast_nm = 730;
+/// Calls visit(nm, what a colour gets of a spectrum's value there), nanometre by nanometre.
+template <typename Visitor>
+void integrate(Visitor visit) {
+  for (double nm = kFirstWavelength_nm + 0.5; nm < kLastWavelength_nm; ++nm)
+    visit(nm, rgb_from_xyz(color_matching(nm)));
+}
 
 /// What each node adds to the picture: the matching functions under the straight lines between nodes. A flat
 /// spectrum is white.
-std::vector<Vec3> node_weights(const std::vector<double>& nodes) {
+std::vector<Vec3> node_weights(std::span<const double> nodes) {
   std::vector<Vec3> weights(nodes.size(), Vec3(0));
-  for (double nm = kFirst_nm + 0.5; nm < kLast_nm; ++nm) {
-    const Vec3 rgb = rgb_from_xyz(color_matching(nm));
+  integrate([&](double nm, const Vec3& rgb) {
     size_t above = 0;
     while (above < nodes.size() && nodes[above] < nm) ++above;
     if (above == 0 || above == nodes.size()) {
       weights[above == 0 ? 0 : above - 1] += rgb;
-      continue;
+      return;
     }
     const double part = (nm - nodes[above - 1]) / (nodes[above] - nodes[above - 1]);
     weights[above - 1] += (1 - part) * rgb;
     weights[above] += part * rgb;
-  }
+  });
   Vec3 white(0);
   for (const Vec3& w : weights) white += w;
   for (Vec3& w : weights) w /= white;
@@ -51,16 +55,22 @@ std::vector<Vec3> node_weights(const std::vector<double>& nodes) {
 
 /// Three smooth bands whose sum is 1 everywhere, near to what looks red, green and blue.
 Vec3 bands(double nm) {
-  const double blue = 1 - smooth_step(470, 520, nm), red = smooth_step(570, 610, nm);
+  const auto& corner = kBandCorners_nm;
+  const double blue = 1 - smooth_step(corner[0], corner[1], nm), red = smooth_step(corner[2], corner[3], nm);
   return {red, 1 - red - blue, blue};
 }
 
-/// For each node the row that gives its value of an RGB colour. The colour of that spectrum is the RGB again.
-std::vector<Vec3> node_rows(const std::vector<double>& nodes, const std::vector<Vec3>& weights) {
-  Mat3 rgb_of_bands(0.0);  // columns: the colour of each band
+/// By columns.
+Mat3 rgb_of_bands(std::span<const double> nodes, std::span<const Vec3> weights) {
+  Mat3 rgb(0.0);
   for (size_t i = 0; i < nodes.size(); ++i)
-    for (int band = 0; band < 3; ++band) rgb_of_bands[band] += bands(nodes[i])[band] * weights[i];
-  const Mat3 bands_of_rgb = glm::inverse(rgb_of_bands);
+    for (int band = 0; band < 3; ++band) rgb[band] += bands(nodes[i])[band] * weights[i];
+  return rgb;
+}
+
+/// For each node the row that gives its value of an RGB colour. The colour of that spectrum is the RGB again.
+std::vector<Vec3> node_rows(std::span<const double> nodes, std::span<const Vec3> weights) {
+  const Mat3 bands_of_rgb = glm::inverse(rgb_of_bands(nodes, weights));
   std::vector<Vec3> rows;
   for (const double nm : nodes) rows.push_back(bands(nm) * bands_of_rgb);
   return rows;
@@ -68,9 +78,30 @@ std::vector<Vec3> node_rows(const std::vector<double>& nodes, const std::vector<
 
 }  // namespace
 
+double eval_spectrum(std::span<const SpectrumNode> spectrum, double wavelength_nm) {
+  if (wavelength_nm <= spectrum.front().wavelength_nm) return spectrum.front().value;
+  const auto above =
+      std::lower_bound(spectrum.begin(), spectrum.end(), wavelength_nm,
+                       [](const SpectrumNode& node, double nm) { return node.wavelength_nm < nm; });
+  if (above == spectrum.end()) return spectrum.back().value;
+  const SpectrumNode &a = *(above - 1), &b = *above;
+  return a.value +
+         (wavelength_nm - a.wavelength_nm) / (b.wavelength_nm - a.wavelength_nm) * (b.value - a.value);
+}
+
+Color rgb_of(std::span<const SpectrumNode> spectrum) {
+  Color sum(0), white(0);
+  integrate([&](double nm, const Vec3& rgb) {
+    sum += eval_spectrum(spectrum, nm) * rgb;
+    white += rgb;
+  });
+  return sum / white;
+}
+
 std::vector<double> nodes_of(ColourModel model) {
   switch (model) {
     case ColourModel::rgb:
+    case ColourModel::spectral:
       return {};
     case ColourModel::meyer4:  // Meyer 1988, "Wavelength selection for synthetic image generation"
       return {456.4, 490.9, 557.7, 631.4};
@@ -82,8 +113,28 @@ std::vector<double> nodes_of(ColourModel model) {
   return nodes;
 }
 
-std::vector<ColourPass> make_passes(ColourModel model, bool is_dispersive) {
-  const std::vector<double> nodes = nodes_of(model);
+std::vector<double> even_nodes(size_t count) {
+  std::vector<double> nodes;
+  for (size_t i = 0; i < count; ++i)
+    nodes.push_back(kFirstWavelength_nm + (kLastWavelength_nm - kFirstWavelength_nm) *
+                                              static_cast<double>(i) / static_cast<double>(count - 1));
+  return nodes;
+}
+
+bool are_colour_nodes(std::span<const double> nodes) {
+  if (nodes.size() < 3 || nodes.size() > kMostColourNodes) return false;
+  double below = -1;
+  for (const double nm : nodes) {
+    if (!(nm > below && nm >= kFirstWavelength_nm && nm <= kLastWavelength_nm)) return false;
+    below = nm;
+  }
+  // White is a sum of the bands' colours: where they lie nearly in a plane, or one is missing, no sum of them
+  // is red, green or blue without a band far above 1.
+  constexpr double kLeastVolume = 0.01;
+  return glm::determinant(rgb_of_bands(nodes, node_weights(nodes))) > kLeastVolume;
+}
+
+std::vector<ColourPass> make_passes(std::span<const double> nodes, bool is_dispersive) {
   if (nodes.empty()) return {ColourPass{}};
   const std::vector<Vec3> weights = node_weights(nodes), rows = node_rows(nodes, weights);
   const size_t passes = is_dispersive ? nodes.size() : (nodes.size() + 2) / 3;

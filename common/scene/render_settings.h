@@ -59,9 +59,10 @@ struct RenderSettings {
   SamplingPattern sampling = SamplingPattern::sobol;
   FilterKind filter = FilterKind::box;
   ColourModel colour = ColourModel::rgb;
-  double shutter = 0;    ///< how long it is open, in frames
-  uint32_t samples = 1;  ///< per pixel; 1 where rays go through corners
-  Subpixels subpixels;   ///< other than one only where rays go through corners
+  std::vector<double> colour_nodes_nm;  ///< of the spectral model; none: the scene's
+  double shutter = 0;                   ///< how long it is open, in frames
+  uint32_t samples = 1;                 ///< per pixel; 1 where rays go through corners
+  Subpixels subpixels;                  ///< other than one only where rays go through corners
   /// Pixels whose first samples differ by no more than this from their neighbours' get no others; 0: all do.
   double adaptive_contrast = 0;
   /// Limits of each branch of the lighting tree, or of a path, by the kinds of its rays; diffuse ones count
@@ -96,6 +97,11 @@ struct RenderSettings {
     archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
     archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);
     diffuse_jitter = jitter != 0;
+    // A count off the wire asks for no more memory than is allowed; one too large is refused by the checks.
+    auto nodes = static_cast<uint32_t>(colour_nodes_nm.size());
+    archive(nodes);
+    colour_nodes_nm.resize(std::min<size_t>(nodes, kMostColourNodes + 1));
+    for (double& nm : colour_nodes_nm) archive(nm);
   }
 };
 

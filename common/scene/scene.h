@@ -10,6 +10,7 @@
 #include "common/scene/goniometry.h"
 #include "common/scene/hierarchy_records.h"
 #include "common/scene/light.h"
+#include "common/scene/spectral_color.h"
 #include "common/shapes/polygon.h"
 #include "common/shapes/quadric.h"
 #include "common/shapes/sphere.h"
@@ -127,6 +128,9 @@ struct Scene : SceneArrays<ArrayView> {
   }
   std::span<const Vec4> planes_of(const Quadric& q) const {
     return quadric_planes.subspan(q.first_plane, q.plane_count);
+  }
+  std::span<const SpectrumNode> spectrum_of(const SpectralColor& c) const {
+    return spectrum_nodes.subspan(c.first_node, c.node_count);
   }
   Vec4 eval(uint32_t curve, double frame) const;
 };

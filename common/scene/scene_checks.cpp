@@ -235,15 +235,19 @@ void check_lights(const Scene& s) {
 
 void check_textures(const Scene& s) {
   for (const Texture& t : s.textures) {
-    require(t.kind <= TextureKind::image && t.octaves <= 32, "a texture's kind");
-    if (t.kind != TextureKind::image) continue;
-    require(t.width_px > 0 && t.height_px > 0 && t.levels > 0 && t.levels <= 32, "an image's size");
+    require(t.kind <= TextureKind::array && t.octaves <= 32, "a texture's kind");
+    if (t.kind < TextureKind::image) continue;
+    const uint32_t depth_px = t.kind == TextureKind::array ? t.depth_px : 1;
+    require(t.width_px > 0 && t.height_px > 0 && depth_px > 0 && t.levels > 0 && t.levels <= 32,
+            "an image's size");
     const size_t size = s.texels.size() / 3;
     size_t end = t.first_texel;
     for (uint32_t level = 0; level < t.levels; ++level) {
-      const size_t width = std::max(1u, t.width_px >> level), height = std::max(1u, t.height_px >> level);
-      require(end <= size && width <= (size - end) / height, "an image's texels");
-      end += width * height;
+      const size_t width = std::max(1u, t.width_px >> level), height = std::max(1u, t.height_px >> level),
+                   depth = std::max(1u, depth_px >> level);
+      require(end <= size && width <= (size - end) / height && depth <= (size - end) / (width * height),
+              "an image's texels");
+      end += width * height * depth;
     }
   }
   const uint32_t environment = s.head().environment;
@@ -260,8 +264,11 @@ void check_textures(const Scene& s) {
 }
 
 void check_materials(const Scene& s) {
-  for (const Material& m : s.materials) {
-    require(m.kind <= MaterialKind::luminaire && m.reflections <= Reflections::none, "a material's kind");
+  for (size_t i = 0; i < s.materials.size(); ++i) {
+    const Material& m = s.materials[i];
+    require(m.kind <= MaterialKind::mix && m.reflections <= Reflections::none, "a material's kind");
+    if (m.kind == MaterialKind::mix)  // its parts stand before it, so a chain of mixes always ends
+      require(m.texture != kNone && m.parts[0] < i && m.parts[1] < i, "a mix");
     require(std::isfinite(m.exponent) && m.exponent >= 0, "a material's exponent");
     for (int c = 0; c < 3; ++c)
       require(std::isfinite(m.interior[c]) && m.interior[c] >= 0 && m.filter[c] >= 0 && m.filter[c] <= 1,
@@ -271,6 +278,23 @@ void check_materials(const Scene& s) {
             "a material's texture");
     require(m.diagram == kNone || m.diagram < s.goniometric_diagrams.size(), "a material's diagram");
     require(m.metal == kNone || m.metal < conductor_names().size(), "a material's metal");
+  }
+}
+
+void check_spectra(const Scene& s) {
+  for (const SpectralColor& c : s.spectral_colors) {
+    require(c.field <= SpectralField::ambient, "a spectrum's place");
+    const size_t owners = c.field < SpectralField::light    ? s.materials.size()
+                          : c.field == SpectralField::light ? s.lights.size()
+                                                            : 1;
+    require(c.index < owners, "a spectrum's owner");
+    const size_t size = s.spectrum_nodes.size();
+    require(c.node_count > 0 && c.first_node <= size && c.node_count <= size - c.first_node, "a spectrum");
+    const auto nodes = s.spectrum_of(c);
+    for (size_t i = 0; i < nodes.size(); ++i)  // not NaN, and rising
+      require(std::isfinite(nodes[i].wavelength_nm) && std::isfinite(nodes[i].value) && nodes[i].value >= 0 &&
+                  (i == 0 || nodes[i - 1].wavelength_nm < nodes[i].wavelength_nm),
+              "a spectrum");
   }
 }
 
@@ -323,6 +347,7 @@ void check_scene(const Scene& scene) {
   check_leaves(scene);
   check_primitives(scene);
   check_materials(scene);
+  check_spectra(scene);
   check_lights(scene);
   check_textures(scene);
 }

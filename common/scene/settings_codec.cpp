@@ -15,11 +15,17 @@ void check_settings(const RenderSettings& settings) {
       crop.x0 >= crop.x1 || crop.y0 >= crop.y1 || crop.x1 > settings.width_px || crop.y1 > settings.height_px)
     throw SettingsError("the picture has no such size or crop");
   if (settings.lighting > LightingModel::path || settings.sampling > SamplingPattern::corners ||
-      settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral20 ||
+      settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral ||
       settings.glass_shadows > GlassShadows::none || settings.ambient_colour > AmbientColour::light ||
       settings.pixel_format > PixelFormat::float32 || settings.diffuse_bands > DiffuseBands::cone ||
       settings.diffuse_set > DiffuseSet::fixed)
     throw SettingsError("a choice among the settings does not exist");
+  if (!settings.colour_nodes_nm.empty() &&
+      (settings.colour != ColourModel::spectral || !are_colour_nodes(settings.colour_nodes_nm)))
+    throw SettingsError(
+        fmt::format("the wavelengths of colour must rise from {:g} to {:g} nm, be no more than {}, and tell "
+                    "red, green and blue apart: one each below 490, about 545 and above 600 at least",
+                    kFirstWavelength_nm, kLastWavelength_nm, kMostColourNodes));
   const auto is_cut = [](uint32_t parts) { return parts >= 1 && parts <= Subpixels::kMost; };
   const auto is_of_lobe = [](uint32_t rays) { return rays >= 1 && rays <= kMostLobeRays; };
   if (!is_cut(settings.subpixels.columns) || !is_cut(settings.subpixels.rows) || settings.samples < 1 ||

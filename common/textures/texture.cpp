@@ -4,6 +4,7 @@
 
 #include "common/image/half_float.h"
 #include "common/math/portable_math.h"
+#include "common/textures/array_texture.h"
 #include "common/textures/noise.h"
 
 namespace rayfarm {
@@ -145,6 +146,8 @@ Color eval_texture(const Texture& t, std::span<const uint16_t> texels, const Tex
       return bricks(t, p, width);
     case TextureKind::fourier:
       return between(t, fourier(t, p, width));
+    case TextureKind::array:
+      return t.first + eval_array(t, texels, p - t.from / t.scale, width) * (t.second - t.first);
     case TextureKind::image:
       break;
   }

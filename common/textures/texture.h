@@ -1,6 +1,7 @@
 #pragma once
 // Textures (thesis 2.3.6; Shirley, Sung and Brown 1991, section 2.1): a texture answers for a point in space
-// and a pair (u, v), and uses what it needs of both. Plain data; images' texels stand in the scene's arrays.
+// and a pair (u, v), and uses what it needs of both. Plain data; the texels of images and arrays stand in the
+// scene's arrays.
 #include <cstdint>
 #include <span>
 
@@ -16,7 +17,8 @@ enum class TextureKind : uint32_t {
   boards,   ///< a floor of boards along x, `aspect` long and 1 wide, each with its own place in the tree
   bricks,   ///< a wall in x and y, `aspect` long and 1 high, each with its own tint; mortar `gap` wide
   fourier,  ///< a sum of `octaves` sines, each in a direction of its own (thesis 2.3.6)
-  image     ///< in (u, v), repeated
+  image,    ///< in (u, v), repeated
+  array     ///< values in space (thesis 2.3.6), from `first` for 0 to `second` for 1; each cell is 1 wide
 };
 
 struct Texture {
@@ -27,7 +29,10 @@ struct Texture {
   Vec3 scale{1};   ///< lengths of one unit of the pattern
   Vec2 offset{0};  ///< of an image, added to (u, v) after scaling
   double strength = 1, aspect = 1, gap = 0;
-  uint32_t first_texel = 0, width_px = 0, height_px = 0, levels = 0;  ///< of an image: halves of halves
+  /// Of an image or array: halves of halves.
+  uint32_t first_texel = 0, width_px = 0, height_px = 0, levels = 0;
+  Vec3 from{0};                            ///< of an array: the corner of its first cell; else 0
+  uint32_t depth_px = 0, is_repeated = 1;  ///< of an array; else its outermost values go on outside of it
 };
 
 struct TexturePoint {
@@ -36,7 +41,7 @@ struct TexturePoint {
   double width = 0, width_uv = 0;  ///< of what the ray sees, for filtering
 };
 
-/// The texture's colour: reflectance, linear Rec. 709. `texels`: of all images, three halves each.
+/// The texture's colour: reflectance, linear Rec. 709. `texels`: of all images and arrays, three halves each.
 Color eval_texture(const Texture& texture, std::span<const uint16_t> texels, const TexturePoint& at);
 
 }  // namespace rayfarm

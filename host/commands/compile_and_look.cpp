@@ -2,12 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <new>
+
 #include "common/compile/darkness.h"
 #include "host/process/console.h"
 
 namespace rayfarm {
 
-CompiledScene compile_and_look(const SceneDescription& scene) {
+CompiledScene compile_and_look(const SceneDescription& scene) try {
   CompiledScene compiled = compile(scene);
   const int frame = scene.frames ? (*scene.frames)[0] : 0;
   const auto [width, height] = scene.view.size_px();
@@ -26,6 +28,8 @@ CompiledScene compile_and_look(const SceneDescription& scene) {
         "lights the scene");
   for (const std::string& note : compiled.notes.lines()) say("rayfarm: {}\n", note);
   return compiled;
+} catch (const std::bad_alloc&) {
+  throw IoError(fmt::format("{}: the scene needs more memory than there is", scene.files.at(0)));
 }
 
 }  // namespace rayfarm

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "host/commands/commands.h"
+#include "host/experiments/colour/colour_experiment.h"
 #include "host/experiments/lighting/lighting_experiment.h"
 #include "host/experiments/net-load/net_load_experiment.h"
 #include "host/experiments/smoothing/smoothing_experiment.h"
@@ -20,6 +21,7 @@ int run_experiment(const ExperimentChoice& choice, const Renders& renders) {
   if (choice.name == "net-load") return run_net_load_experiment(options, renders.here);
   if (choice.name == "smoothing") return run_smoothing_experiment(options);
   if (choice.name == "working-sets") return run_working_set_experiment(options);
+  if (choice.name == "colour") return run_colour_experiment(options, renders.here);
   return run_lighting_experiment(options, renders.here);
 }
 
@@ -36,7 +38,8 @@ void add_experiment_command(CommandLine& line) {
   options
       .word(
           "NAME", [choice = choice.get()](const std::string& name) { choice->name = name; },
-          {"lighting", "net-load", "smoothing", "working-sets"},
+          {"colour", "lighting", "net-load", "smoothing", "working-sets"},
+          "colour: RGB and spectra at 4, 20 and any wavelengths, section 2.1 of Shirley, Sung and Brown; "
           "lighting: the pictures of the thesis's chapter 3; net-load: processor counts against the net's "
           "load, section 4.4.4.2; smoothing: the light of a turning mesh, section 2.3.5; working-sets: Table "
           "4.12")

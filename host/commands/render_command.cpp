@@ -5,6 +5,7 @@
 
 #include "common/sampling/sampler.h"
 #include "common/scene/settings_codec.h"
+#include "host/commands/colour_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/net_options.h"
 #include "host/render/output_pattern.h"
@@ -117,11 +118,7 @@ void add_light(Options& options, RenderOptions& o) {
       {{"light", AmbientColour::light}, {"surface", AmbientColour::surface}},
       "phong, torrance-sparrow and whitted: ambient light has its own colour alone, or is weighed by the "
       "surface's (default: surface)");
-  options.choice<ColourModel>(
-      "--colour", o.settings.colour,
-      {{"meyer4", ColourModel::meyer4}, {"rgb", ColourModel::rgb}, {"spectral20", ColourModel::spectral20}},
-      "what colours are computed as: red, green and blue, or spectra at 4 or 20 "
-      "wavelengths (default: rgb)");
+  add_colour_option(options, o.settings);
   options.number(
       "--max-depth", o.max_depth, 1, kMostDepth,
       "depth of the lighting tree; the eye ray is 1 (default: what the two limits below need, 12; path: "

@@ -136,6 +136,16 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
   return notes;
 }
 
+std::vector<std::string> name_idle_spectra(const RenderSettings& settings, const Scene& scene) {
+  const bool has_spectra = std::any_of(
+      scene.spectral_colors.begin(), scene.spectral_colors.end(),
+      [](const SpectralColor& c) { return c.field != SpectralField::n && c.field != SpectralField::k; });
+  if (settings.colour != ColourModel::rgb || !has_spectra) return {};
+  return {
+      "the scene gives colours as spectra, of which --colour rgb takes the red, green and blue; --colour "
+      "spectral computes with the spectra themselves"};
+}
+
 std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneDescription& scene) {
   const auto have = [&scene](auto is_one) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), is_one);

@@ -33,4 +33,7 @@ std::vector<std::string> name_idle_options(const RenderSettings& settings, const
 /// What the scene asks for in vain from the chosen lighting model.
 std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene);
 
+/// The same of spectra of the scene that the colour model does without.
+std::vector<std::string> name_idle_spectra(const RenderSettings& settings, const Scene& scene);
+
 }  // namespace rayfarm

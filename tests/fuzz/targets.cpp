@@ -73,6 +73,22 @@ constexpr const char* kNff =
 constexpr const char* kIes =
     "IESNA:LM-63-2002\n[TEST] x\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n100 50 0\n";
 
+constexpr const char* kYamlArray =
+    "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\ntextures: {t: {kind: array, file: in.npy, scale: "
+    "0.3}}\n"
+    "materials: {m: {color: 1, texture: t, bump: {texture: t, height: 0.1}}}\n"
+    "scene: [{material: m, sphere: {center: [0, 0, 0], radius: 1}}]\n";
+std::vector<std::string> npy_seeds() {
+  std::vector<std::string> seeds;
+  for (const auto& [kind, shape, bytes] : {std::tuple("<f4', 'fortran_order': False", "(2, 3, 2)", 48),
+                                           {"|u1', 'fortran_order': True", "(2, 2, 1, 3)", 12}}) {
+    const std::string header = fmt::format("{{'descr': '{}, 'shape': {}, }}\n", kind, shape);
+    seeds.push_back(std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size()) + '\0' + header +
+                    std::string(static_cast<size_t>(bytes), '\0'));
+  }
+  return seeds;
+}
+
 Bytes zeros(size_t n) {
   return Bytes(n);
 }
@@ -161,6 +177,13 @@ void read_images(const Folder& folder, const std::string& bytes) {
   for (int y = 0; y < reader.height_px(); ++y) reader.next_row();
 }
 
+std::vector<std::string> settings_seeds() {
+  RenderSettings spectral;
+  spectral.colour = ColourModel::spectral;
+  spectral.colour_nodes_nm = {400, 500, 600, 700};
+  return {text_of(encode_settings(RenderSettings())), text_of(encode_settings(spectral))};
+}
+
 SceneBlock block_of(const std::string& bytes) {
   SceneBlock block;
   block.size = bytes.size();
@@ -171,7 +194,7 @@ SceneBlock block_of(const std::string& bytes) {
 
 std::vector<std::string> block_seeds() {
   std::vector<std::string> seeds;
-  for (const char* name : {"primitives", "animation", "materials", "gloss"}) {
+  for (const char* name : {"primitives", "animation", "materials", "tiles", "glasses", "gloss"}) {
     const CompiledScene compiled =
         compile(load_scene(std::string(RAYFARM_SOURCE "/scenes/") + name + ".yaml"));
     if (compiled.block.size < 1 << 18) seeds.push_back(text_of(compiled.block.bytes()));
@@ -223,6 +246,9 @@ std::vector<Target> make_targets(const std::string& path) {
         "use: ",
         "transform: ",
         "mesh: {file: a.obj}",
+        "mix: {a: a, b: b, by: t}",
+        "{spectrum: [[400, 0.5]]}",
+        "kind: array",
         "image: t.png",
         "1e-300",
         "99999999999"}},
@@ -256,6 +282,14 @@ std::vector<Target> make_targets(const std::string& path) {
        },
        {kIes},
        {" ", "\n", "TILT=NONE\n", "TILT=INCLUDE\n", "99999999 ", "-1 ", "nan ", "1e308 ", "[X] y\n"}},
+      {"npy",
+       [folder](const std::string& bytes) {
+         folder.write("in.npy", bytes);
+         render_file(folder.write("npy.yaml", kYamlArray));
+       },
+       npy_seeds(),
+       {"(", ")", ", ", "'<f8'", "'|u1'", "'<u2'", "'<f2'", "True", "False", "'shape': (1, 1, 1)",
+        "99999999999", "1", "3"}},
       {"image", [folder](const std::string& bytes) { read_images(folder, bytes); }, image_seeds(folder), {}},
       {"message", decode_messages, message_seeds(), {}},
       {"block",
@@ -274,10 +308,7 @@ std::vector<Target> make_targets(const std::string& path) {
        },
        {text_of(encode_plan(make_plan()))},
        {}},
-      {"settings",
-       [](const std::string& bytes) { decode_settings(bytes_of(bytes)); },
-       {text_of(encode_settings(RenderSettings()))},
-       {}},
+      {"settings", [](const std::string& bytes) { decode_settings(bytes_of(bytes)); }, settings_seeds(), {}},
       {"scene",
        [](const std::string& bytes) {
          const SceneBlock block = block_of(bytes);

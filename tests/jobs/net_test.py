@@ -32,7 +32,7 @@ class Emulated(JobTest):
 
     def test_processors_take_their_time_without_the_cores(self):
         before = os.times()
-        told, work = self.local(8)
+        told, work = self.local(8, "--least-side", "4")  # small enough that the last ones of a frame are short
         after = os.times()
         self.assertGreater(told["time_s"]["trace"], work / 8)
         self.assertLess(told["time_s"]["trace"], 1.15 * work / 8)
@@ -132,16 +132,27 @@ class CommandLine(JobTest):
         self.assertIn("measured", [row["wire"] for row in json.loads(result.stdout)["limits"]])
 
     def test_working_sets(self):
-        result = run(RAYFARM, "experiment", "working-sets", "--scenes", SCENES, "-o", self.folder / "sets")
+        """Table 4.12: total and active size of the thesis's three images, traced in columns from the lower left."""
+        result = run(RAYFARM, "experiment", "working-sets", "--scenes", SCENES, "--width", "64", "-o", self.folder / "sets")
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(self.folder / "sets/working_sets.csv") as file:
             rows = list(csv.DictReader(file.read().splitlines()[1:]))
+        self.assertEqual([row["scene"] for row in rows[::4]],
+                         ["Image 1", "Image 2", "Image 3", f"{2 * (708 * 64 // 256) ** 2} triangles", "rainbow.yaml"])
+        self.assertEqual(len(rows), 20)
         for row in rows:
             self.assertLessEqual(float(row["active_bytes"]), float(row["block_bytes"]))
+            self.assertGreater(float(row["active_bytes"]), 0)
+            if row["code_bytes"] != "-":  # of a kernel that tells
+                parts = ("block_bytes", "code_bytes"), ("active_bytes", "active_code_bytes", "active_raster_bytes")
+                self.assertAlmostEqual(float(row["total_bytes"]), sum(float(row[p]) for p in parts[0]) + 3 * 64 * 64, delta=1)
+                self.assertAlmostEqual(float(row["active_total_bytes"]), sum(float(row[p]) for p in parts[1]), delta=1)
+                self.assertLess(float(row["active_code_bytes"]), float(row["code_bytes"]))
         # Of a large scene neighbouring rays touch little, and shuffled ones more.
         large = [float(row["active_share"]) for row in rows if row["scene"] == "rainbow.yaml"]
         self.assertLess(large[0], 0.05)
         self.assertGreater(large[3], 1.2 * large[0])
+        self.assertIn("columns from the lower left", (self.folder / "sets/README.md").read_text())
 
     def test_bad_input(self):
         bad = self.folder / "bad.json"

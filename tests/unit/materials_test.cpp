@@ -121,18 +121,18 @@ TEST(Spectrum, ColoursComeBackFromTheirSpectra) {
       for (const Color& rgb :
            {Color(1), Color(0.5), Color(1, 0, 0), Color(0.2, 0.7, 0.3), Color(0, 0, 1), Color(0)}) {
         Color back(0);
-        for (const ColourPass& pass : make_passes(model, is_dispersive))
+        for (const ColourPass& pass : make_passes(nodes_of(model), is_dispersive))
           back += pass.rgb_from_channels * (pass.channels_from_rgb * rgb);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(back[c], rgb[c], 1e-9);
       }
-  EXPECT_EQ(make_passes(ColourModel::spectral20, false).size(), 7u);
-  EXPECT_EQ(make_passes(ColourModel::spectral20, true).size(), 20u);
-  EXPECT_EQ(make_passes(ColourModel::meyer4, false).size(), 2u);
-  EXPECT_EQ(make_passes(ColourModel::rgb, true).size(), 1u);
+  EXPECT_EQ(make_passes(nodes_of(ColourModel::spectral20), false).size(), 7u);
+  EXPECT_EQ(make_passes(nodes_of(ColourModel::spectral20), true).size(), 20u);
+  EXPECT_EQ(make_passes(nodes_of(ColourModel::meyer4), false).size(), 2u);
+  EXPECT_EQ(make_passes(nodes_of(ColourModel::rgb), true).size(), 1u);
 }
 
 TEST(Spectrum, ReflectancesStayBetweenNothingAndAll) {
-  for (const ColourPass& pass : make_passes(ColourModel::spectral20, true))
+  for (const ColourPass& pass : make_passes(nodes_of(ColourModel::spectral20), true))
     for (const Color& rgb :
          {Color(1, 0, 0), Color(0, 1, 0), Color(0, 0, 1), Color(1, 1, 0), Color(0, 1, 1)}) {
       const double value = (pass.channels_from_rgb * rgb).x;

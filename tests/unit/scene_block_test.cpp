@@ -50,12 +50,15 @@ CompiledScene compile_everything() {
   std::string text = R"(
 view: {location: {0: [0, 0, 6], 4: [1, 0, 6]}, look_at: [0, 0, 0], lens: {radius: 0.01, focus: 6}}
 environment: {file: sky.png}
-textures: {image: {kind: image, file: sky.png}, boards: {kind: boards}}
+textures: {image: {kind: image, file: sky.png}, boards: {kind: boards}, array: {kind: array, size: [3, 2, 2], values: [0, 1, 0, 1, 0, 1, 0, 1, 0.5, 0, 1, 1], scale: 0.2}}
 materials:
   painted: {color: 0.7, reflect: 0.1, texture: image, bump: {texture: boards, height: 0.01}}
   gold: {conductor: gold}
   glass: {dielectric: glass}
   lamp: {luminaire: {emission: 3, ies: lamp.ies}}
+  green: {lambertian: {spectrum: [[450, 0.1], [540, 0.8], [600, 0.2]]}}
+  dusty: {mix: {a: green, b: gold, by: array}}
+  dustier: {mix: {a: dusty, b: painted, by: boards}}
 lights: [{position: [2, 3, 4]}, {position: [0, 4, 0], ies: lamp.ies}]
 objects: {pair: [{sphere: {center: [0, 0, 0], radius: 0.3}}, {sphere: {center: [1, 0, 0], radius: 0.3}}]}
 frames: [0, 4]
@@ -66,6 +69,7 @@ scene:
   - {material: glass, quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, 0, 0, -0.2], planes: [[0, 1, 0, 0]]}}
   - polygon: {points: [[-3, -1, -3], [3, -1, -3], [3, -1, 3], [0, -1, 0], [-3, -1, 3]],
               normals: [[0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 1, 0.1], [0, 1, 0]], smooth: gouraud}
+  - {material: dustier, sphere: {center: [0, 0, 1], radius: 0.4}}
   - {material: gold, use: pair, transform: [{rotate: {axis: [0, 0, 1], degrees: {0: 0, 4: 90}}}, {translate: [0, 1, 0]}]}
   - {use: pair, transform: {translate: [0, -2, 0]}}
   - {use: pair, transform: {translate: [1, -2, 0]}, visible: {0: true, 3: false}}
@@ -229,6 +233,37 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
   expect_refusal<Light>(
       compiled, &Scene::lights, [](Light& light) { return light.moving = 7, true; },
       "a light that moves nowhere");
+  expect_refusal<Texture>(
+      compiled, &Scene::textures,
+      [](Texture& t) { return t.depth_px = 1u << 31, t.kind == TextureKind::array; },
+      "an array deeper than its texels");
+  expect_refusal<Material>(
+      compiled, &Scene::materials,
+      [](Material& m) { return m.kind == MaterialKind::mix && (m.parts[1] = 1000, true); },
+      "a mix of no material");
+  expect_refusal<Material>(
+      compiled, &Scene::materials,
+      [&](Material& m) {
+        return m.kind == MaterialKind::mix &&
+               (m.parts[0] = static_cast<uint32_t>(compiled.scene.materials.size() - 1), true);
+      },
+      "a mix of a later material, that may be of this one");
+  expect_refusal<Material>(
+      compiled, &Scene::materials,
+      [](Material& m) { return m.kind == MaterialKind::mix && (m.texture = kNone, true); },
+      "a mix by nothing");
+  expect_refusal<SpectralColor>(
+      compiled, &Scene::spectral_colors, [](SpectralColor& c) { return c.index = 1000, true; },
+      "a spectrum of no material");
+  expect_refusal<SpectralColor>(
+      compiled, &Scene::spectral_colors, [](SpectralColor& c) { return c.node_count = 0, true; },
+      "a spectrum without nodes");
+  expect_refusal<SpectralColor>(
+      compiled, &Scene::spectral_colors, [](SpectralColor& c) { return c.first_node = 0xfffffff0u, true; },
+      "a spectrum outside of the nodes");
+  expect_refusal<SpectrumNode>(
+      compiled, &Scene::spectrum_nodes, [](SpectrumNode& node) { return node.wavelength_nm = 1e5, true; },
+      "wavelengths that fall");
   expect_refusal<Material>(
       compiled, &Scene::materials, [](Material& m) { return m.reflections = Reflections{3}, true; },
       "reflections of a fourth kind");
@@ -312,6 +347,23 @@ TEST(Settings, ThereAndBack) {
     wrong.*limit = kMostDepth + 1;
     EXPECT_THROW(decode_settings(encode_settings(wrong)), SettingsError);
   }
+  damaged = settings;
+  damaged.colour = ColourModel::spectral;
+  damaged.colour_nodes_nm = {400, 500.5, 600};
+  EXPECT_EQ(decode_settings(encode_settings(damaged)).colour_nodes_nm, damaged.colour_nodes_nm);
+  for (const std::vector<double>& wrong : {std::vector<double>{400, 600, 500},
+                                           {400, 500},
+                                           {400, 500, NAN},
+                                           {300, 500, 600},
+                                           {400, 410, 420},
+                                           std::vector<double>(1'000'000, 500)}) {
+    damaged.colour_nodes_nm = wrong;
+    EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError);
+  }
+  damaged.colour_nodes_nm = {400, 500, 600};
+  damaged.colour = ColourModel::meyer4;
+  EXPECT_THROW(decode_settings(encode_settings(damaged)), SettingsError)
+      << "wavelengths of a model that has its own";
   // As many diffuse rays and samples as there may be of each: their product once wrapped round to 0.
   settings.sampling = SamplingPattern::sobol;
   settings.lighting = LightingModel::thesis;

@@ -154,7 +154,7 @@ scene: [{material: m, polygon: {points: [[-5,-5,0],[5,-5,0],[5,5,0],[-5,5,0]]}}]
   const Ray ray{Vec3(0.7, 0.3, 5), Vec3(0, 0, -1)};
   const Hit hit = closest_hit(scene, world.pose, ray);
   Surface surface = eval_surface(scene, world.pose, ray, hit);
-  textured(scene, world.pose, ray, hit, scene.materials[surface.material], 0, surface);
+  textured(scene, world.pose, ray, hit, 0, 0, surface);
   const auto height = [&](double x, double y) {
     return 0.5 * eval_texture(scene.textures[0], scene.texels, {{x, y, 0}, {}, 0, 0}).x;
   };

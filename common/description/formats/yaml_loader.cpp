@@ -9,6 +9,7 @@
 #include "common/description/formats/yaml_materials.h"
 #include "common/description/formats/yaml_reader.h"
 #include "common/description/formats/yaml_shapes.h"
+#include "common/description/formats/yaml_spectra.h"
 #include "common/description/formats/yaml_textures.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
@@ -35,12 +36,13 @@ class Loader {
     }
     YamlMap map(YamlValue(document, "the scene", path_, budget_));
     if (auto v = map.find("view")) read_view(*v);
-    if (auto v = map.find("background")) scene_.background = v->color();
+    if (auto v = map.find("background"))
+      scene_.background = read_color(*v, SpectralField::background, scene_.spectra);
     if (auto v = map.find("environment")) {
       if (map.has("background")) v->fail("give either `background` or `environment`, not both");
       read_environment(*v, folder(), scene_);
     }
-    if (auto v = map.find("ambient")) scene_.ambient = v->color();
+    if (auto v = map.find("ambient")) scene_.ambient = read_color(*v, SpectralField::ambient, scene_.spectra);
     if (auto v = map.find("frames")) read_frames(*v);
     if (auto v = map.find("lights")) read_lights(*v);
     scene_.materials.emplace_back("default");
@@ -104,7 +106,7 @@ class Loader {
 
   void read_lights(const YamlValue& value) {
     for (const YamlValue& item : value.items()) {
-      scene_.lights.push_back(read_light(item, folder(), scene_));
+      scene_.lights.push_back(read_light(item, folder(), scene_, scene_.spectra));
       if (scene_.lights.size() > limits::kLights) item.fail("too many lights");
     }
   }
@@ -221,7 +223,9 @@ class Loader {
     }
     if (auto v = map.find("light")) {
       ++contents;
-      scene_.objects[target].lights.push_back({read_light(*v, folder(), scene_), v->place()});
+      LightDescription& light = scene_.objects[target].lights.emplace_back();
+      light.light = read_light(*v, folder(), scene_, light.spectra);
+      light.place = v->place();
     }
     if (auto v = map.find("group")) {
       ++contents;

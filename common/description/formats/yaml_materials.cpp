@@ -6,10 +6,12 @@
 #include <numbers>
 
 #include "common/description/formats/ies_loader.h"
+#include "common/description/formats/yaml_mix.h"
+#include "common/description/formats/yaml_spectra.h"
+#include "common/description/formats/yaml_textures.h"
 #include "common/materials/fresnel.h"
 #include "common/materials/presets.h"
 #include "common/materials/scattering.h"
-#include "common/materials/spectrum.h"
 #include "common/math/portable_math.h"
 #include "common/sampling/warps.h"
 
@@ -37,36 +39,24 @@ double read_index(YamlMap& map, double fallback) {
   const auto v = map.find("index");
   return v ? v->number_in(1e-3, 1e3) : fallback;
 }
-Color read_albedo(const YamlValue& value, const char* key, bool is_allowed) {
-  const Color c = value.color();
-  require_energy(value, is_allowed, max_component(c), fmt::format("`{}`", key));
+Color read_albedo(const YamlValue& value, MaterialDescription& m, SpectralField field, bool is_allowed,
+                  const std::string& what) {
+  const Color c = read_color(value, field, m.spectra);
+  require_energy(value, is_allowed, largest_value(m, [&](double nm) { return value_at(m, field, c, nm); }),
+                 what);
   return c;
 }
-Color read_albedo(YamlMap& map, const char* key, const Color& fallback, bool is_allowed) {
+Color read_albedo(YamlMap& map, const char* key, MaterialDescription& m, SpectralField field,
+                  const Color& fallback, bool is_allowed) {
   const auto v = map.find(key);
-  return v ? read_albedo(*v, key, is_allowed) : fallback;
-}
-
-uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescription>& textures) {
-  if (value.is_map())
-    value.fail(
-        "`texture` names one that is defined under `textures`: `textures: {wall: {kind: bricks}}` at the top "
-        "of the "
-        "file, and `texture: wall` here");
-  const std::string name = value.text();
-  std::vector<std::string> names;
-  for (const TextureDescription& texture : textures) {
-    if (texture.name == name) return static_cast<uint32_t>(names.size());
-    names.push_back(texture.name);
-  }
-  value.fail_unknown("texture", names);
+  return v ? read_albedo(*v, m, field, is_allowed, fmt::format("`{}`", key)) : fallback;
 }
 
 void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
   const auto coefficient = [&map](const char* name, double& target) {
     if (auto found = map.find(name)) target = found->number_in(0, 1e6);
   };
-  if (auto c = map.find("color")) m.color = c->color();
+  if (auto c = map.find("color")) m.color = read_color(*c, SpectralField::color, m.spectra);
   coefficient("ambient", m.ambient);
   coefficient("diffuse", m.diffuse);
   coefficient("specular", m.specular);
@@ -77,7 +67,7 @@ void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
   m.index = read_index(map, 1);
   if (const auto interior = map.find("interior")) {
     if (!(m.transmit > 0)) interior->fail("`interior` weighs what `transmit` lets through; give that, too");
-    m.interior = read_albedo(*interior, "interior", is_allowed);
+    m.interior = read_albedo(*interior, m, SpectralField::interior, is_allowed, "`interior`");
   }
   if (const auto exponent = map.find("exponent")) {
     if (!(m.reflect > 0 || m.transmit > 0))
@@ -87,9 +77,21 @@ void read_classical(YamlMap& map, MaterialDescription& m, bool is_allowed) {
     m.exponent = exponent->number_in(0, 1e6);
     if (m.exponent > 0 && !has_shininess) m.shininess = m.exponent;
   }
-  require_energy(map.value(), is_allowed,
-                 max_component(m.color) * m.diffuse + m.reflect + m.transmit * max_component(m.interior),
+  const auto sent = [&m](double nm) {
+    return value_at(m, SpectralField::color, m.color, nm) * m.diffuse + m.reflect +
+           m.transmit * value_at(m, SpectralField::interior, m.interior, nm);
+  };
+  require_energy(map.value(), is_allowed, largest_value(m, sent),
                  "`color` × `diffuse` + `reflect` + `transmit` × `interior`");
+}
+
+/// One of the two parts of a metal's index: three numbers are at the wavelengths of red, green and blue.
+Color read_constants(const YamlValue& value, SpectralField field, MaterialDescription& m) {
+  const Color c = read_color(value, field, m.spectra);
+  if (value.is_map()) return c;
+  const Vec3 nm = ColourPass{}.wavelengths_nm;
+  m.spectra.push_back({field, 0, {{nm.z, c.z}, {nm.y, c.y}, {nm.x, c.x}}});
+  return c;
 }
 
 void read_conductor(const YamlValue& value, MaterialDescription& m) {
@@ -110,8 +112,8 @@ void read_conductor(const YamlValue& value, MaterialDescription& m) {
     if (auto metal = map.find("metal")) {
       use_preset(*metal);
     } else {
-      m.n = map.require("n").color();
-      m.k = map.require("k").color();
+      m.n = read_constants(map.require("n"), SpectralField::n, m);
+      m.k = read_constants(map.require("k"), SpectralField::k, m);
     }
     m.exponent = read_exponent(map);
     map.finish();
@@ -131,8 +133,7 @@ void read_dielectric(const YamlValue& value, MaterialDescription& m) {
     YamlMap map(value);
     m.index = map.require("index").number_in(1e-3, 1e3);
     if (auto filter = map.find("filter")) {
-      m.filter = filter->color();
-      require_energy(*filter, false, max_component(m.filter), "`filter`");
+      m.filter = read_albedo(*filter, m, SpectralField::filter, false, "`filter`");
     }
     m.exponent = read_exponent(map);
     if (auto abbe = map.find("abbe")) m.abbe = abbe->number_in(1, 1e6);
@@ -145,7 +146,7 @@ void read_dielectric(const YamlValue& value, MaterialDescription& m) {
 
 void read_polished(const YamlValue& value, MaterialDescription& m, bool is_allowed) {
   YamlMap map(value);
-  m.color = read_albedo(map, "color", Color(0.5), is_allowed);
+  m.color = read_albedo(map, "color", m, SpectralField::color, Color(0.5), is_allowed);
   m.index = read_index(map, 1.5);
   m.exponent = read_exponent(map);
   map.finish();
@@ -155,12 +156,21 @@ void read_polished(const YamlValue& value, MaterialDescription& m, bool is_allow
 
 void read_translucent(const YamlValue& value, MaterialDescription& m, bool is_allowed) {
   YamlMap map(value);
-  m.color = read_albedo(map, "front", Color(0.5), is_allowed);
-  m.back = read_albedo(map, "back", m.color, is_allowed);
-  m.through = read_albedo(map, "through", Color(0.3), is_allowed);
+  m.color = read_albedo(map, "front", m, SpectralField::color, Color(0.5), is_allowed);
+  if (!map.has("back"))  // it is as the front
+    for (SpectrumDescription& front : std::vector(m.spectra)) {
+      front.field = SpectralField::back;
+      m.spectra.push_back(std::move(front));
+    }
+  m.back = read_albedo(map, "back", m, SpectralField::back, m.color, is_allowed);
+  m.through = read_albedo(map, "through", m, SpectralField::through, Color(0.3), is_allowed);
   map.finish();
-  require_energy(value, is_allowed, max_component(glm::max(m.color, m.back) + m.through),
-                 "`front` or `back` + `through`");
+  const auto sent = [&m](double nm) {
+    return glm::max(value_at(m, SpectralField::color, m.color, nm),
+                    value_at(m, SpectralField::back, m.back, nm)) +
+           value_at(m, SpectralField::through, m.through, nm);
+  };
+  require_energy(value, is_allowed, largest_value(m, sent), "`front` or `back` + `through`");
   m.diffuse = 1;
 }
 
@@ -211,8 +221,8 @@ void read_luminaire_diagram(YamlMap& map, MaterialDescription& m, const std::str
 void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allowed,
                     const std::string& folder, SceneDescription& scene) {
   YamlMap map(value);
-  m.color = read_albedo(map, "color", Color(0), is_allowed);
-  m.emission = map.require("emission").color();
+  m.color = read_albedo(map, "color", m, SpectralField::color, Color(0), is_allowed);
+  m.emission = read_color(map.require("emission"), SpectralField::emission, m.spectra);
   m.exponent = read_exponent(map);
   if (auto inward = map.find("inward")) m.is_inward = inward->boolean() ? 1 : 0;
   read_luminaire_diagram(map, m, folder, scene);
@@ -226,6 +236,13 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
                                   SceneDescription& scene) {
   YamlMap map(value);
   MaterialDescription m(name);
+  if (const auto mix = map.find("mix")) {
+    for (const auto& [key, other] : value.entries())
+      if (key.text() != "mix") key.fail("a mix is nothing but its parts; give this key to them");
+    m.kind = MaterialKind::mix;
+    read_mix(*mix, m, scene);
+    return m;
+  }
   const auto allow = map.find("allow_impossible");
   const bool is_allowed = allow && allow->boolean();
   static const std::vector<std::string> kFamilies{"lambertian", "conductor",   "dielectric",
@@ -238,10 +255,10 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
     m.ambient = m.diffuse = m.specular = 0;
     switch (m.kind) {
       case MaterialKind::classical:
+      case MaterialKind::mix:
         break;
       case MaterialKind::lambertian: {
-        m.color = v->color();
-        require_energy(*v, is_allowed, max_component(m.color), "its colour");
+        m.color = read_albedo(*v, m, SpectralField::color, is_allowed, "its colour");
         m.diffuse = 1;
         break;
       }
@@ -277,7 +294,8 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
   return m;
 }
 
-Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene) {
+Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene,
+                 std::vector<SpectrumDescription>& spectra) {
   YamlMap map(value);
   Light light;
   const auto position = map.find("position"), direction = map.find("direction");
@@ -309,8 +327,15 @@ Light read_light(const YamlValue& value, const std::string& folder, SceneDescrip
     light.cosine_full = portable_cos(full * radians);
     light.cosine_none = portable_cos(none * radians);
   }
-  if (auto v = map.find("color")) light.color = v->color();
-  if (auto v = map.find("intensity")) light.color *= v->number_in(0, 1e9);
+  const size_t before = spectra.size();
+  if (auto v = map.find("color"))
+    light.color = read_color(*v, SpectralField::light, spectra, scene.lights.size());
+  if (auto v = map.find("intensity")) {
+    const double factor = v->number_in(0, 1e9);
+    light.color *= factor;
+    for (size_t i = before; i < spectra.size(); ++i)
+      for (SpectrumNode& node : spectra[i].nodes) node.value *= factor;
+  }
   map.finish();
   return light;
 }

@@ -4,10 +4,12 @@
 
 namespace rayfarm {
 
-/// The material may name the scene's textures. Photometric files are read as those of lights.
+/// The material may name the scene's textures, and a mix the materials that the scene has. Photometric files
+/// are read as those of lights.
 MaterialDescription read_material(const std::string& name, const YamlValue& value, const std::string& folder,
                                   SceneDescription& scene);
 /// Photometric files are read relative to the scene's folder and join its diagrams and files.
-Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene);
+Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene,
+                 std::vector<SpectrumDescription>& spectra);
 
 }  // namespace rayfarm

@@ -105,6 +105,8 @@ Color YamlValue::color() const {
     c = vector();
   } else if (node_.IsNull()) {
     fail_as_no_color("; nothing stands here (what follows a # is a comment)");
+  } else if (node_.IsMap()) {
+    fail_as_no_color("; a spectrum can stand in materials, lights, `background` and `ambient`");
   } else if (!node_.IsScalar()) {
     fail_as_no_color("");
   } else if (const auto coded = color_of_code(node_.Scalar())) {

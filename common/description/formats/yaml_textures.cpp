@@ -1,7 +1,10 @@
 #include "common/description/formats/yaml_textures.h"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 
+#include "common/description/formats/npy_loader.h"
 #include "common/description/scene_images.h"
 
 namespace rayfarm {
@@ -18,6 +21,50 @@ void read_image_of(YamlMap& map, const std::string& folder, TextureDescription& 
   }
 }
 
+/// Those of `values`, x fastest; one or three for each cell.
+ArrayValues read_values(YamlMap& map, uint64_t most_cells) {
+  ArrayValues array;
+  const YamlValue size = map.require("size");
+  const std::vector<YamlValue> axes = size.items();
+  if (axes.size() != 3) size.fail("the size of an array is [x, y, z], in cells");
+  for (size_t axis = 0; axis < 3; ++axis)
+    array.size[axis] = static_cast<uint32_t>(axes[axis].whole_number_in(1, 1'000'000));
+  if (array.size[0] > most_cells / array.size[1] / array.size[2])
+    size.fail(fmt::format("the array has more cells than there is room for, {}", most_cells));
+  const YamlValue values = map.require("values");
+  const std::vector<YamlValue> items = values.items();
+  if (items.size() != array.cells() && items.size() != 3 * array.cells())
+    values.fail(
+        fmt::format("an array of {} × {} × {} needs {} values, or three times as many for red, green "
+                    "and blue, not {}",
+                    array.size[0], array.size[1], array.size[2], array.cells(), items.size()));
+  array.channels = items.size() == array.cells() ? 1 : 3;
+  for (const YamlValue& item : items) array.values.push_back(static_cast<float>(item.number_in(0, 1)));
+  return array;
+}
+
+void read_array(YamlMap& map, const std::string& folder, TextureDescription& texture,
+                SceneDescription& scene) {
+  // Its mip map has at most as many cells again, in the worst case of a single row.
+  const uint64_t most_cells = std::min(limits::kArrayCells, texels_left(scene) / 2);
+  if (auto v = map.find("from")) texture.from = v->vector();
+  if (auto v = map.find("repeat")) texture.is_repeated = v->boolean() ? 1 : 0;
+  const auto file = map.find("file");
+  if (!file) {
+    texture.texels = make_array_texels(read_values(map, most_cells), texture, map.value().stop());
+    return;
+  }
+  for (const char* key : {"size", "values"})
+    if (auto v = map.find(key)) v->fail("give either `file` or `size` and `values`, not both");
+  const std::string path = (std::filesystem::path(folder) / file->text()).string();
+  try {
+    texture.texels = make_array_texels(load_npy(path, most_cells, file->stop()), texture, file->stop());
+  } catch (const IoError& e) {
+    file->fail(e.what());
+  }
+  scene.files.push_back(path);
+}
+
 }  // namespace
 
 TextureDescription read_texture(const std::string& name, const YamlValue& value, const std::string& folder,
@@ -26,8 +73,8 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
   TextureDescription texture;
   texture.name = name;
   // In the order of TextureKind.
-  static const std::vector<std::string> kKinds{"checker", "noise",  "marble",  "wood",
-                                               "boards",  "bricks", "fourier", "image"};
+  static const std::vector<std::string> kKinds{"checker", "noise",   "marble", "wood", "boards",
+                                               "bricks",  "fourier", "image",  "array"};
   texture.kind = static_cast<TextureKind>(map.require("kind").choice(kKinds));
   if (auto v = map.find("scale")) {
     texture.scale = v->is_sequence() ? v->vector() : Vec3(v->number());
@@ -46,8 +93,17 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
   const auto number = [&map](const char* key, double& target, double least, double most) {
     if (auto v = map.find(key)) target = v->number_in(least, most);
   };
+  if (texture.kind == TextureKind::array) {
+    texture.first = Color(0);
+    texture.second = Color(1);
+  }
   color("first", texture.first);
   color("second", texture.second);
+  if (texture.kind == TextureKind::array) {
+    read_array(map, folder, texture, scene);
+    map.finish();
+    return texture;
+  }
   if (auto v = map.find("octaves")) texture.octaves = static_cast<uint32_t>(v->whole_number_in(1, 16));
   if (auto v = map.find("seed")) texture.seed = static_cast<uint32_t>(v->whole_number_in(0, 1'000'000'000));
   number("strength", texture.strength, 0, 1e6);
@@ -59,6 +115,21 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
   }
   map.finish();
   return texture;
+}
+
+uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescription>& textures) {
+  if (value.is_map())
+    value.fail(
+        fmt::format("`{0}` names a texture that is defined under `textures`: `textures: {{wall: {{kind: "
+                    "bricks}}}}` at the top of the file, and `{0}: wall` here",
+                    value.what()));
+  const std::string name = value.text();
+  std::vector<std::string> names;
+  for (const TextureDescription& texture : textures) {
+    if (texture.name == name) return static_cast<uint32_t>(names.size());
+    names.push_back(texture.name);
+  }
+  value.fail_unknown("texture", names);
 }
 
 void read_environment(const YamlValue& value, const std::string& folder, SceneDescription& scene) {

@@ -43,6 +43,13 @@ void add_light(const Facing& facing, Highlights::Shape shape) {
 
 }  // namespace
 
+void ClassicalSurface::apply_textures(const FrameContext& context, double width) {
+  const double choice =
+      material->kind == MaterialKind::mix ? context.tables.sampler.point(id, dimension::of_mix(stream)).x : 0;
+  color = textured(context.scene, context.pose, *ray, *hit, width, choice, surface).color;
+  material = &context.scene.materials[surface.material];
+}
+
 void add_direct_light(const FrameContext& context, const Highlights& highlights,
                       std::span<ClassicalSurface> surfaces, RayCounts& counts) {
   for (uint32_t i = 0; i < context.scene.lights.size(); ++i) {

@@ -17,14 +17,14 @@ struct ClassicalSurface {
                    const SampleId& of_sample, uint32_t of_stream)
       : surface(eval_surface(context.scene, context.pose, of_ray, of_hit)),
         material(&context.scene.materials[surface.material]),
-        color(is_textured(*material)
-                  ? textured(context.scene, context.pose, of_ray, of_hit, *material, width, surface).color
-                  : material->color),
+        color(material->color),
         direction(of_ray.direction),
         ray(&of_ray),
         hit(&of_hit),
         id(of_sample),
-        stream(of_stream) {}
+        stream(of_stream) {
+    if (is_textured(*material)) apply_textures(context, width);
+  }
 
   Surface surface;
   const Material* material;
@@ -53,6 +53,9 @@ struct ClassicalSurface {
     add_ambient(context.scene, context.tables.settings.ambient_colour);
     if (is_luminaire(*material)) specular += emission(context);
   }
+
+ private:
+  void apply_textures(const FrameContext& context, double width);
 };
 
 /// How sources show in surfaces.

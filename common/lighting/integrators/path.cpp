@@ -92,7 +92,10 @@ class PathTracer {
     Material with_texture;
     const Material* chosen = &scene_.materials[surface.material];
     if (is_textured(*chosen)) {
-      with_texture = textured(scene_, pose_, ray, hit, *chosen, path.width, surface);
+      const double choice = chosen->kind == MaterialKind::mix
+                                ? sampler_.point(path.id, dimension::of_mix(path.depth << 8)).x
+                                : 0;
+      with_texture = textured(scene_, pose_, ray, hit, path.width, choice, surface);
       chosen = &with_texture;
     }
     const Material& material = *chosen;

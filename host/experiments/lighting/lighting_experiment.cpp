@@ -2,9 +2,8 @@
 
 #include <fmt/ranges.h>
 
-#include <cstdlib>
-
 #include "host/experiments/lighting/lighting_studies.h"
+#include "host/experiments/plots.h"
 #include "host/files/text_file.h"
 
 namespace rayfarm {
@@ -162,19 +161,6 @@ plot "error.dat" index 0 using 1:2 with linespoints pt 7 lc 1 title "the thesis'
      "" index 1 using 1:2 with linespoints pt 5 lc 2 title "flux, sets turned"
 )";
 
-void draw_plots(const LightingRuns& runs, const std::string& curves) {
-  write_text_file(runs.file("error.dat").string(), curves);
-  write_text_file(runs.file("lighting.gp").string(), kPlots);
-  const std::string folder = runs.file("").string();
-  if (std::system("command -v gnuplot >/dev/null") != 0)
-    fmt::print(stderr,
-               "rayfarm: gnuplot was not found, so the plot is not drawn; apt-get install gnuplot-nox, then "
-               "gnuplot lighting.gp in {}\n",
-               folder);
-  else if (std::system(fmt::format("cd '{}' && gnuplot lighting.gp", folder).c_str()) != 0)
-    fmt::print(stderr, "rayfarm: gnuplot could not draw the plot\n");
-}
-
 }  // namespace
 
 int run_lighting_experiment(const ExperimentOptions& options, const RunRender& render) {
@@ -189,7 +175,8 @@ int run_lighting_experiment(const ExperimentOptions& options, const RunRender& r
     page += errors.section + study_bands(runs) + study_ball(runs);
     write_text_file(runs.file("lighting.csv").string(), csv);
     write_text_file(runs.file("error.csv").string(), errors.csv);
-    draw_plots(runs, errors.curves);
+    write_text_file(runs.file("error.dat").string(), errors.curves);
+    draw_plots(runs.file(""), "lighting.gp", kPlots);
     write_text_file(runs.file("README.md").string(), page);
     fmt::print("{}\n", runs.file("README.md").string());
     return 0;

@@ -35,3 +35,20 @@ plot "beyond.dat" index 0 using 1:2 with linespoints lc 1 title "pixel wire, 9 b
      "" index 1 using 1:2 with linespoints lc 2 title "block wire, 3 bytes", \
      "" index 2 using 1:2 with linespoints lc 3 title "compressed, 0.71 bytes", \
      "+" using (4444):(4444) every ::0::0 with points pt 3 ps 2 lc 0 title "the thesis: 4,444"
+set output "rays.svg"
+unset logscale
+set xrange [*:*]
+set yrange [0:100]
+set key outside right
+set style data histograms
+set style histogram rowstacked title offset 0,-1.5
+set style fill solid 0.8 border -1
+set boxwidth 0.6
+set bmargin 5
+set xtics rotate by -25
+set xlabel ""
+set ylabel "share, %"
+set title "Left: rays by kinds; right: eye rays by the types of Figure 4.6"
+plot newhistogram "kinds", "rays.dat" using 2:xtic(1) title "primary", "" using 3 title "shadow", \
+     "" using 4 title "reflected", "" using 5 title "transmitted", \
+     newhistogram "types" at 5, "rays.dat" using 7:xtic(1) title "type 1", "" using 8 title "type 2", "" using 9 title "type 3"

@@ -83,6 +83,8 @@ class NetLoad {
   }
 
   NetLoadPage run() {
+    page_.rays = measure_ray_shares(runs_, options_.scenes, setup_.width_px);
+    page_.sizes = measure_sizes(runs_, scene_, setup_.width_px / 2);
     calibrate(setup_);
     measure_loading();
     measure_knees();

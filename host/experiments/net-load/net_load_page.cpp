@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
+#include "host/experiments/plots.h"
 #include "host/files/text_file.h"
 #include "host/instrument/model.h"
 #include "host/instrument/simulator.h"
@@ -177,6 +177,23 @@ plot "beyond.dat" index 0 using 1:2 with linespoints lc 1 title "pixel wire, 9 b
      "" index 1 using 1:2 with linespoints lc 2 title "block wire, 3 bytes", \
      "" index 2 using 1:2 with linespoints lc 3 title "compressed, 0.71 bytes", \
      "+" using (4444):(4444) every ::0::0 with points pt 3 ps 2 lc 0 title "the thesis: 4,444"
+set output "rays.svg"
+unset logscale
+set xrange [*:*]
+set yrange [0:100]
+set key outside right
+set style data histograms
+set style histogram rowstacked title offset 0,-1.5
+set style fill solid 0.8 border -1
+set boxwidth 0.6
+set bmargin 5
+set xtics rotate by -25
+set xlabel ""
+set ylabel "share, %"
+set title "Left: rays by kinds; right: eye rays by the types of Figure 4.6"
+plot newhistogram "kinds", "rays.dat" using 2:xtic(1) title "primary", "" using 3 title "shadow", \
+     "" using 4 title "reflected", "" using 5 title "transmitted", \
+     newhistogram "types" at 5, "rays.dat" using 7:xtic(1) title "type 1", "" using 8 title "type 2", "" using 9 title "type 3"
 )";
 
 void write_plots(const NetLoadPage& page, const Table& beyond, const fs::path& folder) {
@@ -205,15 +222,8 @@ void write_plots(const NetLoadPage& page, const Table& beyond, const fs::path& f
   write_text_file((folder / "knee.dat").string(), knee);
   write_text_file((folder / "use.dat").string(), use);
   write_text_file((folder / "beyond.dat").string(), curves);
-  write_text_file((folder / "net_load.gp").string(), kPlots);
-  const std::string command = fmt::format("cd '{}' && gnuplot net_load.gp", folder.string());
-  if (std::system("command -v gnuplot >/dev/null") != 0)
-    fmt::print(stderr,
-               "rayfarm: gnuplot was not found, so the plots are not drawn; apt-get install gnuplot-nox, "
-               "then gnuplot net_load.gp in {}\n",
-               folder.string());
-  else if (std::system(command.c_str()) != 0)
-    fmt::print(stderr, "rayfarm: gnuplot could not draw the plots\n");
+  write_text_file((folder / "rays.dat").string(), ray_shares_data(page.rays));
+  draw_plots(folder, "net_load.gp", kPlots);
 }
 
 std::string markdown(const Table& table) {
@@ -300,6 +310,8 @@ std::string page_text(const NetLoadPage& page, const Table& beyond, const Table&
       "subpolygons meet a hard corner.\n\n",
       100 * worst);
   text += markdown(balance_table(page));
+  text += sizes_text(page.sizes);
+  text += ray_shares_text(page.rays);
   text +=
       "\n## Beyond\n\nSimulated: four frames with rotation for 1985, one for today. Processors may hold one "
       "message "

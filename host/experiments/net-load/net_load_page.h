@@ -3,6 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "host/experiments/net-load/ray_shares.h"
+#include "host/experiments/net-load/subpolygon_sizes.h"
+
 namespace rayfarm {
 
 /// One frame on the virtual cluster.
@@ -40,6 +43,8 @@ struct NetLoadPage {
   std::vector<LoadRun> loads;
   std::vector<NetRun> runs;
   std::vector<BalanceRun> balance;
+  std::vector<SizeRun> sizes;
+  std::vector<RayShares> rays;
 };
 
 /// Writes README.md, net_load.csv, net_load.json, plots and the gnuplot script that draws them into `folder`.

@@ -7,6 +7,7 @@
 
 #include "common/errors/input_error.h"
 #include "common/lighting/face_corners.h"
+#include "host/experiments/plots.h"
 #include "host/experiments/smoothing/shaded_ball.h"
 #include "host/files/text_file.h"
 #include "host/instrument/table.h"
@@ -198,15 +199,7 @@ void write_plots(std::span<const Findings> findings, const fs::path& folder) {
   }
   write_text_file((folder / "jumps.dat").string(), jumps);
   write_text_file((folder / "profile.dat").string(), profiles);
-  write_text_file((folder / "smoothing.gp").string(), kPlots);
-  const std::string command = fmt::format("cd '{}' && gnuplot smoothing.gp", folder.string());
-  if (std::system("command -v gnuplot >/dev/null") != 0)
-    fmt::print(stderr,
-               "rayfarm: gnuplot was not found, so the plots are not drawn; apt-get install gnuplot-nox, "
-               "then gnuplot smoothing.gp in {}\n",
-               folder.string());
-  else if (std::system(command.c_str()) != 0)
-    fmt::print(stderr, "rayfarm: gnuplot could not draw the plots\n");
+  draw_plots(folder, "smoothing.gp", kPlots);
 }
 
 std::string page_of(std::span<const Findings> findings, int side_px) {

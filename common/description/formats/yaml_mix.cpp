@@ -1,0 +1,60 @@
+#include "common/description/formats/yaml_mix.h"
+
+#include <fmt/core.h>
+
+#include "common/description/formats/yaml_textures.h"
+
+namespace rayfarm {
+namespace {
+
+/// The bodies of dielectrics that the material may be the surface of.
+void find_dielectrics(const std::vector<MaterialDescription>& materials, uint32_t material,
+                      std::vector<uint32_t>& found) {
+  const MaterialDescription& m = materials[material];
+  if (m.kind == MaterialKind::mix)
+    for (const uint32_t part : m.parts) find_dielectrics(materials, part, found);
+  if (m.kind == MaterialKind::dielectric && std::find(found.begin(), found.end(), material) == found.end())
+    found.push_back(material);
+}
+
+uint32_t find_part(const YamlValue& value, const SceneDescription& scene) {
+  const std::string name = value.text();
+  std::vector<std::string> names;
+  for (uint32_t i = 1; i < scene.materials.size(); ++i) {
+    names.push_back(scene.materials[i].name);
+    if (names.back() != name) continue;
+    if (scene.materials[i].kind == MaterialKind::luminaire)
+      value.fail(
+          fmt::format("'{}' is a luminaire, which can't be mixed: a lamp shines all over its surface; "
+                      "make lamp and surroundings objects of their own",
+                      name));
+    return i;
+  }
+  value.fail_unknown("material", names, "; a mix names materials that stand above it");
+}
+
+}  // namespace
+
+void read_mix(const YamlValue& value, MaterialDescription& mix, SceneDescription& scene) {
+  YamlMap map(value);
+  for (const char* key : {"a", "b", "by"})
+    if (!map.has(key))
+      value.fail("a mix needs `a`, `b` and `by`: two materials, and the texture that says where each is");
+  const YamlValue first = map.require("a"), second = map.require("b");
+  mix.parts = {find_part(first, scene), find_part(second, scene)};
+  mix.texture = find_texture(map.require("by"), scene.textures);
+  map.finish();
+  std::vector<uint32_t> dielectrics;
+  for (const uint32_t part : mix.parts) find_dielectrics(scene.materials, part, dielectrics);
+  if (dielectrics.size() > 1)
+    second.fail(
+        fmt::format("'{}' and '{}' are two dielectrics, but a body has one inside; mix one with "
+                    "materials that let nothing in",
+                    scene.materials[dielectrics[0]].name, scene.materials[dielectrics[1]].name));
+  if (mix.parts[0] == mix.parts[1])
+    scene.notes.add(scene.source(value.place()),
+                    fmt::format("'{}' is a mix of '{}' with itself: its texture does nothing", mix.name,
+                                scene.materials[mix.parts[0]].name));
+}
+
+}  // namespace rayfarm
