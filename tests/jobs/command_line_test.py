@@ -404,11 +404,26 @@ class Experiments(JobTest):
         result = self.run_alone("experiment", "lighting", "-o", self.folder / "page", "--scenes", SCENES, "--width", "24")
         self.assertEqual(result.code, 0, result.stderr)
         rows = (self.folder / "page" / "lighting.csv").read_text().splitlines()
-        self.assertEqual(len(rows), 14)
-        ratio = {row.split(",")[0]: float(row.split(",")[10]) for row in rows[1:]}
+        self.assertEqual(len(rows), 16)
+        cells = {row.split(",")[0]: dict(zip(rows[0].split(","), row.split(","))) for row in rows[1:]}
+        ratio = {name: float(row["rays_ratio"]) for name, row in cells.items()}
         self.assertGreater(ratio["plate_3_1b"], 1.5)  # one diffuse ray and its shadow ray for each that meets a wall
         self.assertLess(ratio["plate_3_1b"], 2.1)
+        # Thesis 3.5.1: 4, 9 and 25 directions a pixel by oversampling of 1, 4 and 16; (a w + 1)(b h + 1) rays through corners.
+        self.assertEqual([cells[f"plate_3_{plate}"]["directions"] for plate in ("3b", "4a", "4b")], ["4", "9", "25"])
+        self.assertEqual([int(cells[f"plate_3_{plate}"]["primary"]) for plate in ("3b", "4a", "4b")], [25 * 19, 49 * 37, 97 * 73])
+        errors = [row.split(",") for row in (self.folder / "page" / "error.csv").read_text().splitlines()[1:]]
+        for layout in ("thesis", "turned"):  # 3.5.1: errors fall with the rays
+            rms = [float(row[5]) for row in errors if row[0] == layout]
+            self.assertEqual(len(rms), 7)
+            self.assertGreater(rms[0], 3 * rms[-1])
         page = (self.folder / "page" / "README.md").read_text()
+        bands = re.search(r"sin² 45° = 0.5 \| ([0-9.]+) \| 1 - cos⁴ 45° = 0.75 \| ([0-9.]+)", page)  # 3.3
+        self.assertAlmostEqual(float(bands[1]), 0.5, delta=0.01)
+        self.assertAlmostEqual(float(bands[2]), 0.75, delta=0.01)
+        for section in ("The time of Plate 3.1b", "Errors over rays", "Bands of light", "ball of light without"):
+            self.assertIn(section, page)
+        self.assertFalse((self.folder / "page" / "scratch").exists())
         for row in rows[1:]:
             self.assertIn(f"![{row.split(',')[0]}]", page)
             self.assertTrue((self.folder / "page" / f"{row.split(',')[0]}.png").exists())

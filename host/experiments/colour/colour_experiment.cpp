@@ -12,6 +12,7 @@
 #include "host/experiments/colour/colour_difference.h"
 #include "host/experiments/colour/colour_page.h"
 #include "host/experiments/colour/linear_colour.h"
+#include "host/experiments/page.h"
 #include "host/files/json.h"
 #include "host/render/render_options.h"
 
@@ -201,10 +202,7 @@ class ColourExperiment {
 }  // namespace
 
 int run_colour_experiment(const ExperimentOptions& options, const RunRender& render) {
-  const fs::path folder(options.output);
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw IoError(fmt::format("{}: can't be made: {}", folder.string(), error.message()));
+  const fs::path folder = make_page_folder(options.output);
   try {
     const std::vector<ColourScene> scenes = ColourExperiment(options, render).run();
     write_colour_page(folder, scenes);

@@ -7,6 +7,7 @@
 
 #include "common/errors/input_error.h"
 #include "common/lighting/face_corners.h"
+#include "host/experiments/page.h"
 #include "host/experiments/plots.h"
 #include "host/experiments/smoothing/shaded_ball.h"
 #include "host/files/text_file.h"
@@ -251,10 +252,7 @@ std::string page_of(std::span<const Findings> findings, int side_px) {
 }  // namespace
 
 int run_smoothing_experiment(const ExperimentOptions& options) {
-  const fs::path folder(options.output);
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw IoError(fmt::format("{}: can't be made: {}", folder.string(), error.message()));
+  const fs::path folder = make_page_folder(options.output);
   const int side_px = options.width_px > 0 ? options.width_px : kSide_px;
   std::vector<Findings> findings;
   for (const ShadingMethod method : kShadingMethods) findings.push_back(examine(method, side_px));
