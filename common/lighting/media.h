@@ -71,8 +71,8 @@ class Media {
            inside_.begin() + static_cast<ptrdiff_t>(count_);
   }
 
-  std::array<uint32_t, 8> inside_{};
-  size_t count_ = 0;
+  std::array<uint32_t, 8> inside_;  // set as far as it is used: rays are made often
+  uint32_t count_ = 0;
 };
 
 }  // namespace rayfarm

@@ -17,6 +17,8 @@ const char* kMaterials = R"(
   painted: {color: 0.7, reflect: 0.1, texture: image, bump: {texture: boards, height: 0.01}}
   glass: {dielectric: glass}
   lamp: {luminaire: {emission: 3, ies: lamp.ies}}
+  red: {color: {spectrum: [[450, 0.1], [650, 0.9]]}, reflect: 0.1}
+  tiles: {mix: {a: red, b: painted, by: cloud}}
 )";
 const char* kPair =
     "  pair: [{material: glass, sphere: {center: [0, 0, 0], radius: 0.3}}, {material: lamp, sphere: {center: "
@@ -36,6 +38,8 @@ std::string nodes() {
   - {use: pair, transform: {translate: [0, -2, 0]}, visible: {0: true, 3: false}}
   - {light: {position: [0, 3, 0], falloff: true}, transform: {translate: {0: [0, 0, 0], 4: [1, 0, 0]}}}
   - {name: bulb, light: {position: [1, 3, 0], ies: lamp.ies}}
+  - {light: {position: [-1, 3, 0], color: {spectrum: [[400, 0.3], [500, 0.1], [700, 0.4]]}}}
+  - {material: tiles, cylinder: {base: [0, -2, 1], top: [0, 0, 1], radius: 0.3}}
 )";
   for (int i = 0; i < 12; ++i)
     text += fmt::format("  - {{material: glass, sphere: {{center: [{}, {}, -1], radius: 0.2}}}}\n",
@@ -53,7 +57,9 @@ void write_assets() {
                         "3/3 4/2\nv 0 -1 0\nv 1 -1 0\nf 5/1 6/2 2/3 1/1\n");
 }
 
-const std::string kTextures = "textures: {image: {kind: image, file: picture.png}, boards: {kind: boards}}\n";
+const std::string kTextures =
+    "textures: {image: {kind: image, file: picture.png}, boards: {kind: boards}, cloud: {kind: array, "
+    "size: [2, 2, 1], values: [0, 1, 0.3, 0.9]}}\n";
 const std::string kHead =
     "view: {location: [0, 0.5, 7], look_at: [0, 0, 0]}\nframes: [0, 4]\nlights: [{position: [4, 5, 6], "
     "color: 0.4}]\n";
@@ -123,6 +129,7 @@ TEST(PartFile, PicturesAreThoseOfTheSameObjectsWrittenInTheScene) {
                       used = compile(test::load_yaml(scene_with(true, more)));
   for (const LightingModel model : {LightingModel::whitted, LightingModel::thesis, LightingModel::path}) {
     RenderSettings settings;
+    settings.colour = model == LightingModel::whitted ? ColourModel::meyer4 : ColourModel::rgb;
     settings.width_px = 40;
     settings.height_px = 30;
     settings.crop = {0, 0, 40, 30};

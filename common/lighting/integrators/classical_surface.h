@@ -47,7 +47,10 @@ struct ClassicalSurface {
   }
   void add_ambient(const Scene& scene, AmbientColour weighed_by) {
     const Color ambient = material->ambient * scene.head().ambient;
-    (weighed_by == AmbientColour::surface ? diffuse : specular) += ambient;
+    if (weighed_by == AmbientColour::surface) [[likely]]
+      diffuse = ambient;
+    else
+      specular += ambient;
   }
   void add_ambient_and_emission(const FrameContext& context) {
     add_ambient(context.scene, context.tables.settings.ambient_colour);

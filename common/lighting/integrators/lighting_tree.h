@@ -125,20 +125,20 @@ class LightingTree {
     Color color;
   };
   /// Brings the light of a ray to its receiver, and so on from forks that it was the last for.
-  std::optional<Delivery> deliver(Receiver receiver, Color color) {
-    while (true) {
-      if (receiver.kind == Receiver::Kind::eye) {
-        colors_[receiver.place] = color;
+  std::optional<Delivery> deliver(const Receiver& to, Color color) {
+    for (const Receiver* receiver = &to;;) {
+      if (receiver->kind == Receiver::Kind::eye) {
+        colors_[receiver->place] = color;
         return std::nullopt;
       }
-      if (receiver.kind == Receiver::Kind::own) return Delivery{receiver, receiver.share * color};
-      Fork& fork = forks_[receiver.fork];
-      (receiver.kind == Receiver::Kind::transmitted ? fork.transmitted : fork.reflected) =
-          receiver.share * color;
+      if (receiver->kind == Receiver::Kind::own) return Delivery{*receiver, receiver->share * color};
+      Fork& fork = forks_[receiver->fork];
+      (receiver->kind == Receiver::Kind::transmitted ? fork.transmitted : fork.reflected) =
+          receiver->share * color;
       if (--fork.pending > 0) return std::nullopt;
-      forks_.release(receiver.fork);
+      forks_.release(receiver->fork);  // it stays as it is until another is added
       color = fork.sum();
-      receiver = fork.receiver;
+      receiver = &fork.receiver;
     }
   }
   /// The same for something of the model's own that a fork waited for.
