@@ -26,11 +26,12 @@ void add_view(SceneArrays<GrowingArray>& arrays, const SceneDescription& descrip
   record.lens_radius = view.lens_radius;
 }
 
-void add_materials(SceneArrays<GrowingArray>& arrays, const SceneDescription& description) {
+void add_materials(SceneArrays<GrowingArray>& arrays, const SceneDescription& description, Purpose purpose) {
   for (const MaterialDescription& m : description.materials) {
     add_spectra(arrays, m.spectra, arrays.materials.size());
     arrays.materials.push_back(m);
   }
+  if (purpose == Purpose::library) return;  // those of its lights and background stay behind with them
   for (const SpectrumDescription& s : description.spectra) add_spectra(arrays, std::span(&s, 1), s.index);
 }
 
@@ -55,8 +56,9 @@ class PartCompiler {
     for (const uint32_t object : fixed) is_added[object] = true;
     for (uint32_t object = 0; object < description_.objects.size(); ++object)
       if (!is_added[object]) add(object, std::span(&object, 1));
-    if (!arrays_.triangle_uvs.empty()) arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size());
-    if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size());
+    if (!arrays_.triangle_uvs.empty())
+      arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size(), kNoUv);
+    if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size(), kNoUv);
   }
 
   const Luminaires& luminaires() const { return luminaires_; }
@@ -154,7 +156,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   arrays.header[0].background = description.background;
   arrays.header[0].ambient = description.ambient;
   add_view(arrays, description);
-  add_materials(arrays, description);
+  add_materials(arrays, description, purpose);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
   add_listed_lights(arrays, description);
   if (purpose == Purpose::library) arrays.lights.clear();

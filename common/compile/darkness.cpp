@@ -270,11 +270,15 @@ bool is_dark(const Scene& scene, const RenderSettings& settings) {
     if (!is_used[i] || scene.materials[i].kind == MaterialKind::mix) continue;
     const Material& m = scene.materials[i];
     if (is_luminaire(m)) return false;
-    const bool has_ambient = settings.lighting == LightingModel::path ? false
-                             : settings.lighting == LightingModel::thesis
-                                 ? settings.diffuse_reach > 0 && m.diffuse > 0
-                                 : m.ambient > 0;
-    if (has_ambient && (m.texture != kNone || m.color * head.ambient != Color(0)) && head.ambient != Color(0))
+    const bool has_ambient =
+        settings.lighting == LightingModel::path ? false
+        : settings.lighting == LightingModel::thesis
+            ? (has_diffuse_rays(m) ? settings.diffuse_reach > 0 && m.diffuse > 0 : m.ambient > 0)
+            : m.ambient > 0;
+    const bool takes_colour =
+        settings.lighting == LightingModel::thesis || settings.ambient_colour == AmbientColour::surface;
+    if (has_ambient && head.ambient != Color(0) &&
+        (!takes_colour || m.texture != kNone || m.color * head.ambient != Color(0)))
       return false;
   }
   return true;

@@ -61,7 +61,7 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
     const size_t before = arrays_.triangle_shading.size();
     add_triangle(part, {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading, p.place);
     if (mesh.triangle_uvs.empty() || arrays_.triangle_shading.size() == before) continue;
-    arrays_.triangle_uvs.resize(3 * before, glm::vec2(0));  // of meshes before that have none
+    arrays_.triangle_uvs.resize(3 * before, kNoUv);  // of meshes before that have none
     for (int k = 0; k < 3; ++k) arrays_.triangle_uvs.push_back(mesh.uvs[mesh.triangle_uvs[i][k]]);
   }
   if (!mesh.polygons.sides.empty()) add_polygons(part, p, mesh, first_normal);
@@ -107,7 +107,7 @@ void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescriptio
         const size_t before = arrays_.triangle_shading.size();
         add_triangle(part, triangles[k], shading, p.place);
         if (polygons.uvs.empty()) continue;
-        arrays_.triangle_uvs.resize(3 * before, glm::vec2(0));
+        arrays_.triangle_uvs.resize(3 * before, kNoUv);
         for (const uint32_t corner : cut[k])
           arrays_.triangle_uvs.push_back(mesh.uvs[polygons.uvs[begin + corner]]);
       }
@@ -118,7 +118,7 @@ void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescriptio
     MeshFace face{static_cast<uint32_t>(arrays_.face_corners.size()), static_cast<uint32_t>(sides), kNone,
                   smoothing, material};
     if (!polygons.uvs.empty()) {
-      arrays_.face_uvs.resize(face.first_corner, glm::vec2(0));  // of meshes before that have none
+      arrays_.face_uvs.resize(face.first_corner, kNoUv);  // of meshes before that have none
       for (size_t k = 0; k < sides; ++k) arrays_.face_uvs.push_back(mesh.uvs[polygons.uvs[begin + k]]);
     }
     for (const uint32_t corner : corners) arrays_.face_corners.push_back(shared.place_of(corner));

@@ -79,6 +79,7 @@ class Describer {
       static_cast<Texture&>(description) = texture;
       description.name = path_;
       const size_t count = texel_count(texture);
+      if (count == 0) continue;
       const auto own = s_.texels.subspan(3 * size_t{texture.first_texel}, 3 * count);
       description.texels.assign(own.begin(), own.end());
     }

@@ -1,5 +1,6 @@
 #include "common/lighting/textured.h"
 
+#include <cmath>
 #include <numbers>
 
 #include "common/lighting/face_corners.h"
@@ -52,7 +53,8 @@ Vec2 polygon_parameters(std::span<const Vec3> points, const Vec3& normal, const 
 Vec2 face_parameters(const Scene& scene, const MeshFace& face, const Vec3& p) {
   const Gathered<Vec3> points = points_of(scene, face);
   const Vec3 normal = normalized(newell_normal(points.span()));
-  if (scene.face_uvs.empty()) return polygon_parameters(points.span(), normal, p);
+  if (scene.face_uvs.empty() || std::isnan(scene.face_uvs[face.first_corner].x))
+    return polygon_parameters(points.span(), normal, p);
   Gathered<Vec2> uvs(face.corner_count);
   for (size_t i = 0; i < face.corner_count; ++i) uvs[i] = scene.face_uvs[face.first_corner + i];
   return mean_value_sum(points.span(), uvs.span(), p, normal).mean();
@@ -66,6 +68,7 @@ Vec2 triangle_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
                c = glm::dot(glm::cross(v[1] - v[0], p - v[0]), n) / square;
   if (scene.triangle_uvs.empty()) return {b, c};
   const glm::vec2* const uv = &scene.triangle_uvs[size_t{3} * hit.primitive.index()];
+  if (std::isnan(uv[0].x)) return {b, c};
   return Vec2(uv[0]) + b * (Vec2(uv[1]) - Vec2(uv[0])) + c * (Vec2(uv[2]) - Vec2(uv[0]));
 }
 

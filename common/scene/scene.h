@@ -2,6 +2,7 @@
 // The compiled scene: flat arrays inside one contiguous, relocatable block of bytes, traversed in place by
 // every node of a machine. Indices, never pointers. A Scene is a view: it owns nothing and is cheap to copy.
 #include <array>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,9 @@ struct TriangleShading {
 
 /// A mesh's polygon of more than three corners. It is planar, and tested as the triangles that it is cut
 /// into; corners and normals are shared with its neighbours.
+/// Stands for the coordinates (u, v) of a mesh without any, where others of the scene have some.
+inline constexpr glm::vec2 kNoUv{std::numeric_limits<float>::quiet_NaN()};
+
 struct MeshFace {
   uint32_t first_corner = 0;  ///< in face_corners
   uint32_t corner_count = 0;

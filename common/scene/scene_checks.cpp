@@ -219,7 +219,9 @@ void check_lights(const Scene& s) {
             "a light's place");
     require(light.kind <= LightKind::luminaire &&
                 (light.kind == LightKind::luminaire) == (i >= first_luminaire) &&
-                (light.kind != LightKind::environment || s.head().environment != kNone),
+                (light.kind != LightKind::environment ||
+                 (s.head().environment != kNone && i + 1 == first_luminaire && light.object_node == kNone &&
+                  light.moving == kNone)),
             "a light's kind");
     if (light.kind != LightKind::luminaire) continue;
     require(light.material < s.materials.size(), "a light's material");
@@ -228,7 +230,7 @@ void check_lights(const Scene& s) {
                                exists(s, light.primitive, PrimitiveKind::triangle) ||
                                exists(s, light.primitive, PrimitiveKind::face);
     const size_t triangles = s.luminaire_triangles.size();
-    require(exists(s, light.primitive, PrimitiveKind::sphere) ||
+    require((exists(s, light.primitive, PrimitiveKind::sphere) && light.triangle_count == 0) ||
                 (has_triangles && light.triangle_count >= 1 && light.first_triangle <= triangles &&
                  light.triangle_count <= triangles - light.first_triangle),
             "a light's primitive");
@@ -236,6 +238,7 @@ void check_lights(const Scene& s) {
 }
 
 void check_textures(const Scene& s) {
+  OwnRanges texels(s.texels.size() / 3, "an image's texels");
   for (const Texture& t : s.textures) {
     require(t.kind <= TextureKind::array && t.octaves <= 32, "a texture's kind");
     if (t.kind < TextureKind::image) continue;
@@ -251,6 +254,7 @@ void check_textures(const Scene& s) {
               "an image's texels");
       end += width * height * depth;
     }
+    texels.take(t.first_texel, end - t.first_texel);
   }
   const uint32_t environment = s.head().environment;
   if (environment == kNone) return;
@@ -284,14 +288,15 @@ void check_materials(const Scene& s) {
 }
 
 void check_spectra(const Scene& s) {
+  OwnRanges own(s.spectrum_nodes.size(), "a spectrum");
   for (const SpectralColor& c : s.spectral_colors) {
     require(c.field <= SpectralField::ambient, "a spectrum's place");
     const size_t owners = c.field < SpectralField::light    ? s.materials.size()
                           : c.field == SpectralField::light ? s.lights.size()
                                                             : 1;
     require(c.index < owners, "a spectrum's owner");
-    const size_t size = s.spectrum_nodes.size();
-    require(c.node_count > 0 && c.first_node <= size && c.node_count <= size - c.first_node, "a spectrum");
+    require(c.node_count > 0, "a spectrum");
+    own.take(c.first_node, c.node_count);
     const auto nodes = s.spectrum_of(c);
     for (size_t i = 0; i < nodes.size(); ++i)  // not NaN, and rising
       require(std::isfinite(nodes[i].wavelength_nm) && std::isfinite(nodes[i].value) && nodes[i].value >= 0 &&

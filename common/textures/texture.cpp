@@ -126,6 +126,7 @@ Color image(const Texture& t, std::span<const uint16_t> texels, const Vec2& uv, 
 }  // namespace
 
 size_t texel_count(const Texture& t) {
+  if (t.kind < TextureKind::image) return 0;
   const uint32_t depth_px = t.kind == TextureKind::array ? t.depth_px : 1;
   size_t count = 0;
   for (uint32_t level = 0; level < t.levels; ++level)

@@ -246,7 +246,7 @@ void check_combinations(const RenderOptions& o) {
     throw UsageError(fmt::format("--sampling poisson lays out at most {} samples; use sobol for more",
                                  Sampler::kMostPoissonSamples));
   if (s.sampling == SamplingPattern::corners && s.filter != FilterKind::box)
-    throw UsageError("--sampling corners weighs the four corners of a subpixel alike; leave --filter at box");
+    throw UsageError("--sampling corners weighs all rays that touch a pixel alike; leave --filter at box");
   if (s.sampling == SamplingPattern::corners && s.shutter > 0)
     throw UsageError("--sampling corners takes one ray per corner, too few for --shutter");
   if (s.sampling == SamplingPattern::corners && s.samples != 1)

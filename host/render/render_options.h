@@ -40,8 +40,10 @@ struct RenderOptions {
   bool skip_existing = false;
   std::string stats, cost_map;
   ProgressStyle progress = ProgressStyle::automatic;
-  int least_side() const { return least_side_px.value_or(least_side_of(wire)); }
   bool is_quiet = false, is_verbose = false, is_full_report = false;
+
+  /// Of a subpolygon: what was asked for, or the wire's.
+  int least_side() const { return least_side_px.value_or(least_side_of(wire)); }
 };
 
 }  // namespace rayfarm

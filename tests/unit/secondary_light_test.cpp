@@ -241,6 +241,10 @@ TEST(GlassShadows, BeginInsideOfWhatTheViewerLooksThrough) {
   probe.settings.glass_shadows = GlassShadows::transparent;
   probe.settings.lighting = LightingModel::whitted;
   expect_color(probe.mean(Vec3(0.01, 2, 0), Vec3(-0.005, -1, 0), 1), Color(1, 0.25, 0.0625), 1e-4);
+  // The lamp in the water, too: 12 units down to the floor, and 10 from the lamp, where nothing is between.
+  Probe deep(lit_through("  - {material: water, box: {min: [-8, -1, -8], max: [8, 12, 8]}}\n"));
+  deep.settings = probe.settings;
+  EXPECT_NEAR(deep.mean(Vec3(1e-3, 13, 0), Vec3(-1e-4, -1, 0), 1).y, std::pow(0.5, 22), 1e-10);
 }
 
 TEST(GlassShadows, SourcesAreStillCountedOnce) {
@@ -350,18 +354,21 @@ TEST(Reflections, AreTurnedOffByTheMaterial) {
 TEST(Reflections, OfPathsLeaveLightStraightFromSources) {
   // Without reflections a floor shows what shadow rays bring, all of it: the lamp's form factor, as by paths
   // that end after them. A lamp of few samples' noise.
-  const auto scene = [](const std::string& reflections) {
-    return "materials: {m: {lambertian: 0.8, reflections: " + reflections +
+  const auto scene = [](const std::string& material, const std::string& reflections) {
+    return "materials: {m: {" + material + ", reflections: " + reflections +
            "}, lamp: {luminaire: {emission: 2}}}\nscene:\n"
            "  - {material: lamp, polygon: {points: "
            "[[-0.5,1,-0.5],[0.5,1,-0.5],[0.5,1,0.5],[-0.5,1,0.5]]}}\n" +
            floor_at(0, "m");
   };
-  Probe off(scene("false")), on(scene("true"));
-  const Color direct = off.mean(Vec3(1, 0.5, 0), Vec3(-1, -0.5, 0), 1 << 12);
-  EXPECT_EQ(off.counts[RayKind::diffuse], 0u);
-  on.settings.max_depth = 2;
-  expect_color(on.mean(Vec3(1, 0.5, 0), Vec3(-1, -0.5, 0), 1 << 14), direct, 0.003);
+  for (const auto& [material, reflections] :
+       {std::pair{"lambertian: 0.8", "false"}, {"polished: {color: 0.8, exponent: 9}", "specular"}}) {
+    Probe off(scene(material, reflections)), on(scene(material, "true"));
+    off.settings.max_depth = on.settings.max_depth = 2;
+    const Color direct = off.mean(Vec3(1, 0.5, 0), Vec3(-1, -0.5, 0), 1 << 13);
+    EXPECT_EQ(off.counts[RayKind::diffuse], 0u);
+    expect_color(on.mean(Vec3(1, 0.5, 0), Vec3(-1, -0.5, 0), 1 << 14), direct, 0.003);
+  }
   Probe polish(reflecting_probe("specular"));
   polish.mean(Vec3(1.5, 1, 0.5), Vec3(0, -1, 0), 512);
   EXPECT_EQ(polish.counts[RayKind::diffuse], 0u);

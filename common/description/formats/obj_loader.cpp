@@ -112,7 +112,7 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
             {path, line_of_face(text, face)},
             fmt::format("the face names vertex {} and normal {}, but the file has {} vertices and {} normals",
                         v + 1, n + 1, vertex_count, normal_count));
-      corners.push_back({static_cast<uint32_t>(v), static_cast<uint32_t>(n),
+      corners.push_back({static_cast<uint32_t>(v), n >= 0 ? static_cast<uint32_t>(n) : ~0u,
                          static_cast<uint32_t>(exists(uv, uv_count) ? static_cast<size_t>(uv) : uv_count)});
     }
     if (sides >= 3) add_face(mesh, corners, of_face);

@@ -89,6 +89,10 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
         const Color left = light_through_glass(context, rays[k], media ? *media : Media());
         if (left == Color(0)) continue;
         facing[k].light *= left;
+      } else if (context.tables.settings.glass_shadows == GlassShadows::transparent) {
+        const Media* const media = facing[k].surface->media;
+        if (media && !media->is_in_air())
+          facing[k].light *= media->transmittance(context.scene, glm::length(rays[k].direction));
       }
       add_light(facing[k], highlights.shape);
     }

@@ -195,12 +195,15 @@ class PathTracer {
     const Scattered scattered = eval(lobes, at, sample.to_light);
     if (scattered.value == Color(0)) return;
     const double probability = choice_probability(scene_, source);
-    const double other = &followed == &lobes ? scattered.pdf : eval(followed, at, sample.to_light).pdf;
-    const double weight = sample.pdf > 0 ? balance(sample.pdf * probability, other) : 1;
+    // What paths may bring, too, is weighed against them; what they do not follow, shadow rays alone bring.
+    const Scattered shared = &followed == &lobes ? scattered : eval(followed, at, sample.to_light);
+    const double weight = sample.pdf > 0 ? balance(sample.pdf * probability, shared.pdf) : 1;
+    Color color = path.throughput * shared.value * sample.incident * (weight / probability);
+    if (&followed != &lobes)
+      color += path.throughput * (scattered.value - shared.value) * sample.incident / probability;
     const Vec3 origin = surface.ray_origin(sample.to_light);
     shadow_rays_.push_back({origin, sample.target - origin, 1});
-    shadow_colors_.push_back(
-        {path.place, path.throughput * scattered.value * sample.incident * (weight / probability)});
+    shadow_colors_.push_back({path.place, color});
   }
 
   /// The power heuristic for one sample of each of two densities (Veach 1997, section 9.2.4).

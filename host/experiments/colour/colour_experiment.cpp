@@ -113,11 +113,6 @@ ColourCost measure_cost(const Scene& scene) {
   return cost;
 }
 
-/// Ends the experiment with a job's exit code.
-struct Ended {
-  int exit_code;
-};
-
 class ColourExperiment {
  public:
   ColourExperiment(const ExperimentOptions& options, const RunRender& render)
@@ -170,7 +165,7 @@ class ColourExperiment {
     for (int run = 0; run < (choice.is_reference ? 1 : kRuns); ++run) {
       job.output = exr;
       job.pixel_format = PixelFormat::float32;
-      if (const int code = render_(job); code != 0) throw Ended{code};
+      if (const int code = render_(job); code != 0) throw RenderFailed{code};
       const JsonView stats = JsonView::read_file(job.stats);
       outcome.trace_s = std::min(outcome.trace_s, stats.at("time_s").at("trace").number());
       outcome.rays = 0;
@@ -206,8 +201,8 @@ int run_colour_experiment(const ExperimentOptions& options, const RunRender& ren
   try {
     const std::vector<ColourScene> scenes = ColourExperiment(options, render).run();
     write_colour_page(folder, scenes);
-  } catch (const Ended& ended) {
-    return ended.exit_code;
+  } catch (const RenderFailed& failed) {
+    return failed.code;
   }
   fmt::print("{}\n", (folder / "README.md").string());
   return 0;

@@ -90,7 +90,7 @@ double mean_level(const std::vector<float>& channels) {
   return sum / static_cast<double>(channels.size());
 }
 
-Difference difference(const std::vector<float>& a, const std::vector<float>& b) {
+ScreenDifference screen_difference(const std::vector<float>& a, const std::vector<float>& b) {
   double squares = 0;
   size_t visible = 0;
   for (size_t i = 0; i + 2 < a.size(); i += 3) {

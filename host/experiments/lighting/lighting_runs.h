@@ -14,11 +14,6 @@ struct Outcome {
   double trace_s = 0;
 };
 
-/// A render that did not end well.
-struct RenderFailed {
-  int code;
-};
-
 /// Where the lighting trees of the thesis's model are trimmed, for each diffuse ray of a surface: so that
 /// what a diffuse ray meets sends out no further diffuse rays, as the times and ray counts that the thesis
 /// gives imply.
@@ -64,10 +59,10 @@ double display_level(float linear);
 /// Their mean.
 double mean_level(const std::vector<float>& channels);
 
-struct Difference {
+struct ScreenDifference {
   double rms = 0;      ///< linear
   double visible = 0;  ///< share of pixels that a screen shows by more than two levels of 255 apart
 };
-Difference difference(const std::vector<float>& a, const std::vector<float>& b);
+ScreenDifference screen_difference(const std::vector<float>& a, const std::vector<float>& b);
 
 }  // namespace rayfarm

@@ -36,7 +36,7 @@ ErrorStudy study_errors(const LightingRuns& runs) {
   };
   constexpr Point kPoints[] = {{1, 1}, {2, 1}, {4, 1}, {4, 2}, {4, 4}, {4, 8}, {4, 16}};
   ErrorStudy study;
-  Difference most_rays;  // the thesis's last point
+  ScreenDifference most_rays;  // the thesis's last point
   double rays_of_most = 0;
   study.csv = "directions,subpixels,diffuse_rays,directions_per_pixel,rays,rms,visible\n";
   study.section =
@@ -69,7 +69,7 @@ ErrorStudy study_errors(const LightingRuns& runs) {
     for (const Point& point : kPoints) {
       lay_out(point);
       const Outcome outcome = runs.run(job, file);
-      const Difference error = difference(read_channels(file), reference);
+      const ScreenDifference error = screen_difference(read_channels(file), reference);
       if (is_thesis) {
         most_rays = error;
         rays_of_most = total(outcome);
@@ -137,7 +137,7 @@ std::string study_ball(const LightingRuns& runs) {
   const Outcome of_many = render(ball_alone, 16, 0, false, many);
   const Outcome of_one = render(ball_alone, 1, 1, false, one);
   render(ball_alone, 1, 2, false, other);
-  const double noise = difference(read_channels(one), read_channels(other)).rms / std::sqrt(2.0);
+  const double noise = screen_difference(read_channels(one), read_channels(other)).rms / std::sqrt(2.0);
   const double needed = total(of_one) * (noise * 255) * (noise * 255);
   return fmt::format(
       "\n## The ball of light without its cosine term\n\n"
@@ -235,7 +235,7 @@ materials:
         255 *
         std::clamp(0.5 + 8.0 * (static_cast<double>(cone[i]) - static_cast<double>(flux[i])), 0.0, 1.0))));
   write_image(runs.file("bands.png").string(), image, {});
-  const Difference apart = difference(cone, flux);
+  const ScreenDifference apart = screen_difference(cone, flux);
   section += fmt::format(
       "\nIn the diffuse room with 200 directions a pixel the two are {:.2f} thousandths apart (RMS, linear), "
       "and "

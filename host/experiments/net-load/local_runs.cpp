@@ -2,13 +2,14 @@
 
 #include <fmt/core.h>
 
+#include "host/experiments/page.h"
 #include "host/files/json.h"
 
 namespace rayfarm {
 
 LocalRuns::LocalRuns(std::filesystem::path folder, const RunRender& render)
     : folder_(std::move(folder)), render_(render) {
-  std::filesystem::create_directories(folder_);
+  make_page_folder(folder_.string());
 }
 
 RenderOptions LocalRuns::job(const std::string& scene, const std::string& name, int width_px) const {
@@ -24,7 +25,7 @@ RenderOptions LocalRuns::job(const std::string& scene, const std::string& name, 
 }
 
 void LocalRuns::render(const RenderOptions& job) const {
-  if (const int code = render_(job); code != 0) throw Interrupted{code};
+  if (const int code = render_(job); code != 0) throw RenderFailed{code};
 }
 
 double count_rays(const std::string& stats) {

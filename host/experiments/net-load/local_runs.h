@@ -3,15 +3,11 @@
 #include <filesystem>
 #include <string>
 
+#include "host/experiments/experiment_options.h"
 #include "host/render/render_options.h"
 #include "host/render/run_render.h"
 
 namespace rayfarm {
-
-/// Ends the experiment with a job's exit code.
-struct Interrupted {
-  int exit_code;
-};
 
 /// `--node-timeout` of all runs: on nets that are full a heartbeat waits long.
 inline constexpr int kPatience_s = 120;
@@ -24,7 +20,7 @@ class LocalRuns {
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
   /// A quiet render of `width_px` × 3/4 `width_px` pixels, with statistics and a cost map beside the picture.
   RenderOptions job(const std::string& scene, const std::string& name, int width_px) const;
-  /// Throws Interrupted if the job fails.
+  /// Throws RenderFailed if the job fails.
   void render(const RenderOptions& job) const;
 
  private:

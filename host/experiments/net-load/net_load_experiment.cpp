@@ -123,7 +123,7 @@ class NetLoad {
     const int status = std::system(command.c_str());
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
       fmt::print(stderr, "rayfarm: the run '{}' on the virtual cluster failed\n", name);
-      throw Interrupted{WIFEXITED(status) ? WEXITSTATUS(status) : kStopped};
+      throw RenderFailed{WIFEXITED(status) ? WEXITSTATUS(status) : kStopped};
     }
     return JsonView::read_file(stats);
   }
@@ -278,8 +278,8 @@ int run_net_load_experiment(const ExperimentOptions& options, const RunRender& r
   try {
     const NetLoadPage page = NetLoad(options, render).run();
     write_net_load_page(page, options.output);
-  } catch (const Interrupted& interrupted) {
-    return interrupted.exit_code;
+  } catch (const RenderFailed& failed) {
+    return failed.code;
   }
   fmt::print("{}\n", (fs::path(options.output) / "README.md").string());
   return kComplete;

@@ -16,6 +16,7 @@
 #include "common/lighting/renderer.h"
 #include "common/scene/scene_block.h"
 #include "host/experiments/images/images.h"
+#include "host/experiments/page.h"
 #include "host/files/text_file.h"
 #include "host/instrument/table.h"
 #include "host/process/exit_code.h"
@@ -209,7 +210,7 @@ struct TestScene {
 /// The thesis's three images, and two scenes that are larger than its memory.
 std::vector<TestScene> prepare_scenes(const ExperimentOptions& options, int side_px) {
   const std::filesystem::path given(options.scenes), made = std::filesystem::path(options.output) / "scenes";
-  std::filesystem::create_directories(made);
+  make_page_folder(made.string());
   const auto file = [&made](const char* name) { return (made / name).string(); };
   const int cells = std::max(1, kTerrainCells * side_px / kSide_px);
   write_beach_house(file("beach_house.yaml"));
@@ -268,8 +269,7 @@ std::string page_text(const Table& table, int side_px) {
 }  // namespace
 
 int run_working_set_experiment(const ExperimentOptions& options) {
-  const std::filesystem::path folder(options.output);
-  std::filesystem::create_directories(folder);
+  const std::filesystem::path folder = make_page_folder(options.output);
   const int side_px = options.width_px > 0 ? options.width_px : kSide_px;
   Table table{"working sets",
               {"scene", "order", "block_bytes", "active_bytes", "active_share", "new_bytes_per_minute",
