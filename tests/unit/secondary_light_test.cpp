@@ -375,30 +375,5 @@ TEST(Reflections, OfPathsLeaveLightStraightFromSources) {
   EXPECT_GT(polish.counts[RayKind::reflected], 0u);
 }
 
-TEST(SecondaryLight, MaterialsThatMakeNoSenseAreRefused) {
-  const auto error = [](const std::string& material) {
-    return test::error_of(test::view_text() + "materials:\n  m: {" + material + "}\nscene: []\n");
-  };
-  EXPECT_NE(error("interior: 0.5").find("scene.yaml:3:17: `interior` weighs what `transmit`"),
-            std::string::npos)
-      << error("interior: 0.5");
-  EXPECT_NE(error("exponent: 5").find("scene.yaml:3:17: `exponent` spreads"), std::string::npos);
-  EXPECT_NE(error("diffuse: 0, transmit: 1, interior: 1.5").find("1.5 times the light"), std::string::npos);
-  EXPECT_NE(error("diffuse: 0, transmit: 1, interior: [0.5, -1, 0]").find("interior"), std::string::npos);
-  EXPECT_NE(error("reflections: specular-only").find("specular"), std::string::npos);
-  EXPECT_EQ(error("diffuse: 0.5, transmit: 1, interior: 0.5"), "");  // 0.5 + 1 × 0.5
-  const SceneDescription scene =
-      test::load_yaml(test::view_text() +
-                      "materials: {a: {diffuse: 0, reflect: 1, exponent: 50}, b: {diffuse: 0, reflect: 1, "
-                      "exponent: 50, shininess: 7}}\nscene: []\n");
-  const auto shininess = [&](const char* name) {
-    return std::find_if(scene.materials.begin(), scene.materials.end(),
-                        [&](const auto& m) { return m.name == name; })
-        ->shininess;
-  };
-  EXPECT_EQ(shininess("a"), 50);  // highlights fit the lobe
-  EXPECT_EQ(shininess("b"), 7);
-}
-
 }  // namespace
 }  // namespace rayfarm
