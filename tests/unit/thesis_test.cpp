@@ -137,8 +137,9 @@ TEST(Thesis, BandsShareLightOrConeVolumeEvenly) {
       }
     }
     // What a sky of radiance cos θ brings: ∫ cos θ d(sin²θ) = 2/3; ∫ cos θ d(1 - cos⁴θ) = 4/5.
+    const DiffuseDirections many(20000, bands);
     double sum = 0;
-    for (const Vec3& d : DiffuseDirections(20000, bands).about_y()) sum += d.y;
+    for (const Vec3& d : many.about_y()) sum += d.y;
     EXPECT_NEAR(sum / 20000, bands == DiffuseBands::flux ? 2.0 / 3 : 4.0 / 5, 1e-3);
   }
 }
