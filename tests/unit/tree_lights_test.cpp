@@ -32,11 +32,16 @@ const std::string kThings =
     "  - {material: m, polygon: {points: [[-4, -1, 4], [4, -1, 4], [4, -1, -4], [-4, -1, -4]]}}\n"
     "  - {material: m, sphere: {center: [0.2, 0, 0], radius: 0.7}}\n";
 
+/// turned.ies: a lamp that shines differently on each side.
+void write_turned_lamp() {
+  test::write_temporary(
+      "turned.ies",
+      "TILT=NONE\n1 1 1 3 4 1 1 0 0 0\n1 1 1\n0 60 120\n0 90 180 360\n5 7 1\n9 2 0\n4 3 2\n1 6 3\n");
+}
+
 const std::vector<std::string>& kinds() {
   static const std::vector<std::string> all = [] {
-    test::write_temporary(
-        "turned.ies",
-        "TILT=NONE\n1 1 1 3 4 1 1 0 0 0\n1 1 1\n0 60 120\n0 90 180 360\n5 7 1\n9 2 0\n4 3 2\n1 6 3\n");
+    write_turned_lamp();
     return std::vector<std::string>{
         "{position: [1, 2, 1.5], color: [0.9, 0.8, 0.6]}",
         "{position: [1, 2, 1.5], falloff: true, color: 5, intensity: 2}",
@@ -56,6 +61,7 @@ TEST(TreeLights, WithoutATransformTheyAreTheListedOnes) {
 }
 
 TEST(TreeLights, MatricesAboveThemMoveThem) {
+  write_turned_lamp();
   // A quarter turn about y, and a shift: (x, y, z) to (z + 1, y + 2, -x).
   const std::string moved =
       "transform: [{rotate: {axis: [0, 1, 0], degrees: 90}}, {translate: [1, 2, 0]}], group: [{light: ";
