@@ -120,7 +120,9 @@ class LostWhileLoading(JobTest):
                 self.assertEqual(result.code, 0, result.stderr)
             else:
                 self.assertEqual(result.code, 1, result.stderr)
-                self.assertRegex(result.stderr, "rayfarm: .*(lost|did not start)")
+                # A rank that dies while mpirun starts can spoil mpirun's own messages (PMIx: BAD-PARAM in event notification):
+                # then it passes on nothing of what the host says.
+                self.assertRegex(result.stderr, "rayfarm: .*(lost|did not start)|PMIX ERROR")
                 self.assertNotIn("its host", result.stderr, "the host was not lost")
 
     def test_the_lost_node_is_named(self):
