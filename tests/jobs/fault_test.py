@@ -110,19 +110,22 @@ class LostWhileLoading(JobTest):
     def test_killed_while_loading(self):
         scene = write_big_scene(self)
         for delay in (0.0, 0.3, 0.6):
-            job = Job(4, "render", scene, "-o", self.folder / "big.png", "--progress", "none", "--size", "64x64")
-            pid = job.pid_of_rank(2)
-            time.sleep(delay)
-            os.kill(pid, signal.SIGKILL)
-            result = job.wait(40)
-            self.assertLess(result.seconds, 32)
+            for _ in range(3):
+                job = Job(4, "render", scene, "-o", self.folder / "big.png", "--progress", "none", "--size", "64x64")
+                pid = job.pid_of_rank(2)
+                time.sleep(delay)
+                os.kill(pid, signal.SIGKILL)
+                result = job.wait(40)
+                self.assertLess(result.seconds, 32)
+                # A rank that dies while mpirun starts can spoil mpirun's own messages (PMIx: BAD-PARAM in event notification):
+                # then it passes on nothing of what the host says, and another run must tell.
+                if "PMIX ERROR" not in result.stderr or "rayfarm:" in result.stderr:
+                    break
             if "trace" in result.stderr:  # it was late: loading was over, and the frame must be whole
                 self.assertEqual(result.code, 0, result.stderr)
             else:
                 self.assertEqual(result.code, 1, result.stderr)
-                # A rank that dies while mpirun starts can spoil mpirun's own messages (PMIx: BAD-PARAM in event notification):
-                # then it passes on nothing of what the host says.
-                self.assertRegex(result.stderr, "rayfarm: .*(lost|did not start)|PMIX ERROR")
+                self.assertRegex(result.stderr, "rayfarm: .*(lost|did not start)")
                 self.assertNotIn("its host", result.stderr, "the host was not lost")
 
     def test_the_lost_node_is_named(self):
