@@ -2,12 +2,12 @@
 
 namespace rayfarm {
 
-Color light_through_glass(const FrameContext& context, Ray ray, Media media) {
+Color light_through_glass(const FrameContext& context, Ray ray, bool is_blocked, Media media) {
   const bool is_weakened = context.tables.settings.glass_shadows == GlassShadows::transparent;
   const Vec3 target = ray.origin + ray.direction;
   Color left(1);
   for (int crossings = 0; crossings <= kMostCrossings; ++crossings) {
-    const Hit hit = closest_hit(context.scene, context.pose, ray);
+    const Hit hit = is_blocked ? closest_hit(context.scene, context.pose, ray) : Hit();
     const bool arrives = !(hit.is_hit() && hit.t < ray.t_max);
     if (is_weakened && !media.is_in_air())
       left *= media.transmittance(context.scene, (arrives ? 1 : hit.t) * glm::length(ray.direction));

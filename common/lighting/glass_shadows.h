@@ -9,9 +9,10 @@ namespace rayfarm {
 /// Surfaces that a shadow ray crosses at most; it is blocked where there are more.
 inline constexpr int kMostCrossings = 1000;
 
-/// What is left of light along a shadow ray (t_max 1) that something blocks: nothing where that is opaque;
-/// else all of it (GlassShadows::none), or transmit × interior of every surface crossed, times what the
-/// filters of dielectrics leave along the way (transparent). `media`: those that the ray begins in.
-Color light_through_glass(const FrameContext& context, Ray ray, Media media);
+/// What is left of light along a shadow ray (t_max 1): nothing where something opaque is in its way; else all
+/// of it (GlassShadows::none), or transmit × interior of every surface crossed, times what the filters of
+/// dielectrics leave along the way (transparent). `is_blocked`: something is in its way, so that it is worth
+/// looking what. `media`: those that the ray begins in.
+Color light_through_glass(const FrameContext& context, Ray ray, bool is_blocked, Media media);
 
 }  // namespace rayfarm

@@ -83,16 +83,14 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     const uint32_t blocked = any_hits(context.scene, context.pose, rays.span());
     const bool is_glass_crossed = context.tables.settings.glass_shadows != GlassShadows::blocked;
     for (size_t k = 0; k < facing.size(); ++k) {
-      if (blocked >> k & 1) {
-        if (!is_glass_crossed) continue;
+      const bool is_blocked = blocked >> k & 1;
+      if (is_glass_crossed) {
         const Media* const media = facing[k].surface->media;
-        const Color left = light_through_glass(context, rays[k], media ? *media : Media());
+        const Color left = light_through_glass(context, rays[k], is_blocked, media ? *media : Media());
         if (left == Color(0)) continue;
         facing[k].light *= left;
-      } else if (context.tables.settings.glass_shadows == GlassShadows::transparent) {
-        const Media* const media = facing[k].surface->media;
-        if (media && !media->is_in_air())
-          facing[k].light *= media->transmittance(context.scene, glm::length(rays[k].direction));
+      } else if (is_blocked) {
+        continue;
       }
       add_light(facing[k], highlights.shape);
     }
