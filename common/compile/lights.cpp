@@ -59,7 +59,7 @@ void weigh_lights(SceneArrays<GrowingArray>& arrays) {
   head.far_away = distance_out_of(bounds);
   if (head.environment != kNone)
     arrays.environment_shares = make_environment_shares(arrays.textures[head.environment], arrays.texels);
-  arrays.light_shares = make_light_shares(view_of(arrays), light_radius(bounds));
+  arrays.light_shares = make_light_shares(light_powers(view_of(arrays)), light_radius(bounds));
 }
 
 }  // namespace rayfarm

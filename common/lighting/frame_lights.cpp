@@ -1,7 +1,6 @@
 #include "common/lighting/frame_lights.h"
 
 #include "common/hierarchy/frame_state.h"
-#include "common/lighting/light_choice.h"
 
 namespace rayfarm {
 
@@ -13,26 +12,24 @@ double distance_out_of(const Box& bounds) {
   return 4 * (light_radius(bounds) + bounds.magnitude());
 }
 
-FrameLights make_frame_lights(const Scene& scene, double frame) {
+FrameLights make_frame_lights(const Scene& scene, std::span<const LightPower> powers, double frame) {
   const std::vector<char> visible = visible_nodes(scene, frame);
   Box bounds;
   for (size_t i = 0; i < scene.instances.size(); ++i)
     if (visible[scene.instances[i].object_node]) bounds.grow(scene.poses[i].bounds);
   FrameLights result;
   result.far_away = distance_out_of(bounds);
-  std::vector<Light> lights;
+  std::vector<LightPower> shining;
   for (uint32_t i = 0; i < scene.lights.size(); ++i) {
     const Light& light = scene.lights[i];
     const bool is_luminaire = i >= scene.head().first_luminaire;
     const uint32_t node = is_luminaire ? scene.instances[light.instance].object_node : light.object_node;
     if (node != kNone && !visible[node]) continue;
     result.shining.push_back(i);
-    lights.push_back(light);
+    shining.push_back(powers[i]);
     if (!is_luminaire) ++result.first_luminaire;
   }
-  Scene of_frame = scene;
-  of_frame.lights = lights;
-  result.shares = make_light_shares(of_frame, light_radius(bounds));
+  result.shares = make_light_shares(shining, light_radius(bounds));
   return result;
 }
 

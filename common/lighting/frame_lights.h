@@ -3,7 +3,7 @@
 // scene that never had the others.
 #include <vector>
 
-#include "common/scene/scene.h"
+#include "common/lighting/light_choice.h"
 
 namespace rayfarm {
 
@@ -15,8 +15,9 @@ struct FrameLights {
   double far_away = 1;            ///< as in SceneHeader
 };
 
-/// Of `frame`. The scene's own tables are those of a frame in which all is there.
-FrameLights make_frame_lights(const Scene& scene, double frame);
+/// Of `frame`; `powers`: of all the scene's lights. The scene's own tables are those of a frame in which all
+/// is there.
+FrameLights make_frame_lights(const Scene& scene, std::span<const LightPower> powers, double frame);
 
 /// Half the diagonal of `bounds`, or 1 if there is nothing in them: by which sources are weighed.
 double light_radius(const Box& bounds);

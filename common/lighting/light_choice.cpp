@@ -21,29 +21,37 @@ double brightest(const Scene& scene, const Light& light) {
   return *std::max_element(values.begin(), values.end());
 }
 
-double irradiance(const Scene& scene, const Light& light, double radius2) {
+LightPower power_of(const Scene& scene, const Light& light) {
   switch (light.kind) {
     case LightKind::point:
     case LightKind::distant:
-      return luminance(light.color) * pi;
+      return {luminance(light.color) * pi, false};
     case LightKind::bulb:
     case LightKind::spot:
-      return luminance(light.color) * brightest(scene, light) / radius2;
+      return {luminance(light.color) * brightest(scene, light)};
     case LightKind::environment:
-      return luminance(scene.head().background *
-                       mean_environment(scene.textures[scene.head().environment], scene.texels)) *
-             pi;
+      return {luminance(scene.head().background *
+                        mean_environment(scene.textures[scene.head().environment], scene.texels)) *
+                  pi,
+              false};
     case LightKind::luminaire:
-      return luminance(scene.materials[light.material].emission) * luminaire_area(scene, light) / radius2;
+      return {luminance(scene.materials[light.material].emission) * luminaire_area(scene, light)};
   }
-  return 0;
+  return {};
 }
 
 }  // namespace
 
-std::vector<double> make_light_shares(const Scene& scene, double radius) {
+std::vector<LightPower> light_powers(const Scene& scene) {
+  std::vector<LightPower> powers;
+  for (const Light& light : scene.lights) powers.push_back(power_of(scene, light));
+  return powers;
+}
+
+std::vector<double> make_light_shares(std::span<const LightPower> powers, double radius) {
   std::vector<double> shares;
-  for (const Light& light : scene.lights) shares.push_back(irradiance(scene, light, radius * radius));
+  for (const LightPower& power : powers)
+    shares.push_back(power.falls ? power.irradiance / (radius * radius) : power.irradiance);
   accumulate_shares(shares);
   return shares;
 }

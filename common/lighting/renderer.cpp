@@ -307,7 +307,9 @@ Renderer::Renderer(const Scene& scene, const RenderSettings& settings)
       passes_(make_coloured_scenes(scene, settings)),
       integrator_(make_integrator(settings.lighting)),
       filter_(settings.filter),
-      moments_(scene) {}
+      moments_(scene) {
+  if (has_changing_links(scene)) powers_ = light_powers(scene);
+}
 
 RenderedPixels Renderer::render(int frame, const PixelRect& rect, const std::function<void()>& pulse) {
   if (frame_ != frame) set_frame(frame);
@@ -318,7 +320,7 @@ void Renderer::set_frame(int frame) {
   frame_.reset();  // stays so if the frame can't be set up
   now_ = moments_.at(frame, settings_);
   if (has_changing_links(scene_)) {
-    const FrameLights lights = make_frame_lights(scene_, frame);
+    const FrameLights lights = make_frame_lights(scene_, powers_, frame);
     for (ColouredScene& pass : passes_) pass.set_lights(lights);
   }
   tables_.emplace(settings_, frame);

@@ -44,6 +44,7 @@ class Renderer {
   std::unique_ptr<Integrator> integrator_;
   PixelFilter filter_;
   Moments moments_;
+  std::vector<LightPower> powers_;  ///< of the lights, if any come and go
 
   // Of the current frame.
   std::optional<int> frame_;

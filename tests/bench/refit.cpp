@@ -57,11 +57,12 @@ BENCHMARK(refit_frame)->Arg(10)->Arg(1000)->Arg(100000)->Unit(benchmark::kMicros
 
 void links_frame(benchmark::State& state) {
   const CompiledScene compiled = make_swarm(state.range(0), true);
+  const std::vector<LightPower> powers = light_powers(compiled.scene);
   FrameState pose(compiled.scene);
   double frame = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(pose.at(frame));
-    benchmark::DoNotOptimize(make_frame_lights(compiled.scene, frame));
+    benchmark::DoNotOptimize(make_frame_lights(compiled.scene, powers, frame));
     frame = frame < 100 ? frame + 1 : 0;
   }
 }

@@ -52,15 +52,17 @@ scene:
   EXPECT_GT(world.trace(Vec3(8, 2, 0), Vec3(0, -1, 0)).x, 0.1);
 }
 
-TEST(Lighting, MirrorsHaveTheirDepthAndWeightLimits) {
-  // Two facing mirrors of .5 with ambient 1: at depth d the sum of 1 + 1/2 + … has d terms.
-  World world(test::view_text() + R"(
+const std::string kFacingMirrors = test::view_text() + R"(
 background: 0
 materials: {m: {ambient: 1, diffuse: 0, reflect: 0.5}}
 scene:
   - {material: m, polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]]}}
   - {material: m, polygon: {points: [[-9, 2, 9], [9, 2, 9], [9, 2, -9], [-9, 2, -9]]}}
-)");
+)";
+
+TEST(Lighting, MirrorsHaveTheirDepthAndWeightLimits) {
+  // Two facing mirrors of .5 with ambient 1: at depth d the sum of 1 + 1/2 + … has d terms.
+  World world(kFacingMirrors);
   for (uint32_t depth = 1; depth <= 6; ++depth) {
     limit_by_depth(world.settings, depth);
     expect_color(world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)), Color(2 - std::pow(0.5, depth - 1)));
@@ -76,13 +78,7 @@ TEST(Lighting, FacingMirrorsShowAsManyImagesAsReflectionsAreAllowed) {
   // Thesis 2.3.4: "after about four or five reflections … there is little more additional information". Two
   // facing mirrors of .5 with ambient 1: with k reflections the sum of 1 + 1/2 + … has k + 1 terms.
   // Transmitted rays have a limit of their own.
-  World world(test::view_text() + R"(
-background: 0
-materials: {m: {ambient: 1, diffuse: 0, reflect: 0.5}}
-scene:
-  - {material: m, polygon: {points: [[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]]}}
-  - {material: m, polygon: {points: [[-9, 2, 9], [9, 2, 9], [9, 2, -9], [-9, 2, -9]]}}
-)");
+  World world(kFacingMirrors);
   const auto images = [&world] { return world.trace(Vec3(0, 1, 0), Vec3(0, -1, 0)); };
   expect_color(images(), Color(2 - std::pow(0.5, 4)));  // the default
   world.settings.max_transmissions = 0;

@@ -128,16 +128,11 @@ TEST(PartFile, PicturesAreThoseOfTheSameObjectsWrittenInTheScene) {
   const CompiledScene inlined = compile(test::load_yaml(scene_with(false, more))),
                       used = compile(test::load_yaml(scene_with(true, more)));
   for (const LightingModel model : {LightingModel::whitted, LightingModel::thesis, LightingModel::path}) {
-    RenderSettings settings;
+    RenderSettings settings = test::picture_settings(40, 30, model);
     settings.colour = model == LightingModel::whitted ? ColourModel::meyer4 : ColourModel::rgb;
-    settings.width_px = 40;
-    settings.height_px = 30;
-    settings.crop = {0, 0, 40, 30};
-    settings.lighting = model;
     settings.samples = 2;
     settings.max_depth = 4;
     settings.shutter = 0.5;
-    settings.pixel_format = PixelFormat::float32;
     for (const int frame : {0, 3})
       EXPECT_EQ(Renderer(used.scene, settings).render(frame, settings.crop, [] {}).pixels,
                 Renderer(inlined.scene, settings).render(frame, settings.crop, [] {}).pixels)

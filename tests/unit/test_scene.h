@@ -11,6 +11,7 @@
 
 #include "common/compile/compile.h"
 #include "common/image/image_file.h"
+#include "common/scene/render_settings.h"
 
 namespace rayfarm::test {
 
@@ -77,6 +78,17 @@ inline std::string write_environment(int width, int height, const std::function<
   const std::string path = write_temporary("sky.exr", "");
   write_image(path, image, {});
   return path;
+}
+
+/// Of a whole small picture whose float pixels tests compare.
+inline RenderSettings picture_settings(int width_px, int height_px, LightingModel model) {
+  RenderSettings settings;
+  settings.width_px = width_px;
+  settings.height_px = height_px;
+  settings.crop = {0, 0, width_px, height_px};
+  settings.lighting = model;
+  settings.pixel_format = PixelFormat::float32;
+  return settings;
 }
 
 inline double uniform(std::mt19937& random, double low, double high) {

@@ -15,15 +15,10 @@ using std::numbers::pi;
 std::vector<std::byte> render(const std::string& text, LightingModel model, int frame = 0,
                               double shutter = 0) {
   const CompiledScene compiled = compile(test::load_yaml(text));
-  RenderSettings settings;
-  settings.width_px = 32;
-  settings.height_px = 24;
-  settings.crop = {0, 0, 32, 24};
-  settings.lighting = model;
+  RenderSettings settings = test::picture_settings(32, 24, model);
   settings.samples = 3;
   settings.max_depth = 3;
   settings.shutter = shutter;
-  settings.pixel_format = PixelFormat::float32;
   return Renderer(compiled.scene, settings).render(frame, settings.crop, [] {}).pixels;
 }
 

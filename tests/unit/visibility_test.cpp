@@ -74,14 +74,9 @@ CompiledScene of_frame(size_t frame) {
 }
 
 RenderSettings settings_of(LightingModel model) {
-  RenderSettings settings;
-  settings.width_px = 36;
-  settings.height_px = 26;
-  settings.crop = {0, 0, 36, 26};
-  settings.lighting = model;
+  RenderSettings settings = test::picture_settings(36, 26, model);
   settings.samples = 2;
   settings.max_depth = 4;
-  settings.pixel_format = PixelFormat::float32;
   return settings;
 }
 
@@ -164,8 +159,9 @@ TEST(Visibility, NoRayMeetsWhatIsHidden) {
 
 TEST(Visibility, WhatIsHiddenIsNoSourceOfLight) {
   const CompiledScene all = with_guests();
+  const std::vector<LightPower> powers = light_powers(all.scene);
   for (uint32_t frame = 0; frame <= 5; ++frame) {
-    const FrameLights lights = make_frame_lights(all.scene, frame);
+    const FrameLights lights = make_frame_lights(all.scene, powers, frame);
     // Two listed ones, the ceiling, and one luminaire of each pair and of the far lamp.
     const auto& g = guests();
     EXPECT_EQ(lights.shining.size(),
