@@ -13,6 +13,10 @@ double decode_srgb(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : portable_pow((encoded + 0.055) / 1.055, 2.4);
 }
 
+double encode_srgb(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * portable_pow(linear, 1 / 2.4) - 0.055;
+}
+
 namespace {
 
 /// How bytes are found without a power: made once, before main.

@@ -27,7 +27,8 @@ double decode_srgb8(uint8_t byte);
 /// Writes linear values at `out`, one after the other.
 void encode_values(PixelFormat format, std::span<const double> values, std::byte* out);
 
-/// The linear value of an encoded one in [0, 1].
+/// The linear value of an encoded one in [0, 1], and the other way round.
 double decode_srgb(double encoded);
+double encode_srgb(double linear);
 
 }  // namespace rayfarm

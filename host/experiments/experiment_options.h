@@ -8,11 +8,6 @@
 
 namespace rayfarm {
 
-/// A render of an experiment failed, or was interrupted: the experiment ends with its exit code.
-struct RenderFailed {
-  int code;
-};
-
 struct ExperimentOptions {
   std::string output;                              ///< folder of page, pictures and numbers
   std::string scenes = "scenes";                   ///< the folder that holds them

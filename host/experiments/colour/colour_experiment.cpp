@@ -13,6 +13,7 @@
 #include "host/experiments/colour/colour_page.h"
 #include "host/experiments/colour/linear_colour.h"
 #include "host/experiments/page.h"
+#include "host/experiments/renders.h"
 #include "host/files/json.h"
 #include "host/render/render_options.h"
 
@@ -165,11 +166,10 @@ class ColourExperiment {
     for (int run = 0; run < (choice.is_reference ? 1 : kRuns); ++run) {
       job.output = exr;
       job.pixel_format = PixelFormat::float32;
-      if (const int code = render_(job); code != 0) throw RenderFailed{code};
+      render_or_throw(render_, job);
       const JsonView stats = JsonView::read_file(job.stats);
       outcome.trace_s = std::min(outcome.trace_s, stats.at("time_s").at("trace").number());
-      outcome.rays = 0;
-      for (const JsonView& count : stats.at("rays").elements()) outcome.rays += count.number();
+      outcome.rays = static_cast<double>(read_ray_counts(stats).total());
     }
     outcome.looks = read_looks(exr);
     write_shown(exr, png);

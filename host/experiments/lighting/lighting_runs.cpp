@@ -60,11 +60,10 @@ Outcome LightingRuns::run(RenderOptions job, const std::filesystem::path& output
   job.output = output.string();
   if (extension_of(job.output) == ".exr") job.pixel_format = PixelFormat::float32;
   job.stats = scratch("stats.json").string();
-  if (const int code = render_(job); code != 0) throw RenderFailed{code};
+  render_or_throw(render_, job);
   const JsonView json = JsonView::read_file(job.stats);
   Outcome outcome;
-  for (size_t kind = 0; kind < kRayKinds; ++kind)
-    outcome.rays.by_kind[kind] = json.at("rays").at(kRayKindNames[kind]).count();
+  outcome.rays = read_ray_counts(json);
   outcome.trace_s = json.at("time_s").at("trace").number();
   return outcome;
 }
@@ -80,8 +79,7 @@ std::vector<float> read_channels(const std::filesystem::path& file) {
 }
 
 double display_level(float linear) {
-  const double v = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-  return 255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
+  return 255 * encode_srgb(std::clamp(static_cast<double>(linear), 0.0, 1.0));
 }
 
 double mean_level(const std::vector<float>& channels) {

@@ -4,6 +4,7 @@
 
 #include "common/lighting/ray_counts.h"
 #include "host/experiments/experiment_options.h"
+#include "host/experiments/renders.h"
 #include "host/render/render_options.h"
 
 namespace rayfarm {

@@ -25,13 +25,11 @@ RenderOptions LocalRuns::job(const std::string& scene, const std::string& name, 
 }
 
 void LocalRuns::render(const RenderOptions& job) const {
-  if (const int code = render_(job); code != 0) throw RenderFailed{code};
+  render_or_throw(render_, job);
 }
 
 double count_rays(const std::string& stats) {
-  double rays = 0;
-  for (const JsonView& count : JsonView::read_file(stats).at("rays").elements()) rays += count.number();
-  return rays;
+  return static_cast<double>(read_ray_counts(JsonView::read_file(stats)).total());
 }
 
 void tell_net_load(const std::string& what) {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/experiments/experiment_options.h"
+#include "host/experiments/renders.h"
 #include "host/render/render_options.h"
 #include "host/render/run_render.h"
 
@@ -28,7 +28,7 @@ class LocalRuns {
   const RunRender& render_;
 };
 
-/// The rays of a job, by its statistics file.
+/// All rays of a job, by its statistics file.
 double count_rays(const std::string& stats);
 
 /// Tells on stderr what is being done.

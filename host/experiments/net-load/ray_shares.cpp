@@ -47,11 +47,8 @@ std::vector<RayShares> measure_ray_shares(const LocalRuns& runs, const std::stri
     tell_net_load(fmt::format("rays of {}", name));
     RenderOptions job = runs.job(scene, fmt::format("rays-{}", all.size() + 1), width_px);
     runs.render(job);
-    RayShares shares{name, {}, count_volume_types(scene, width_px, width_px * 3 / 4)};
-    const JsonView rays = JsonView::read_file(job.stats).at("rays");
-    for (size_t kind = 0; kind < kRayKinds; ++kind)
-      shares.kinds.by_kind[kind] = rays.at(kRayKindNames[kind]).count();
-    all.push_back(shares);
+    all.push_back({name, read_ray_counts(JsonView::read_file(job.stats)),
+                   count_volume_types(scene, width_px, width_px * 3 / 4)});
   }
   return all;
 }
