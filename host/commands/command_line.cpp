@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
 #include <sstream>
 
 #include "common/errors/input_error.h"
@@ -68,6 +70,20 @@ Option Options::add(CLI::Option* option) {
   return Option(option);
 }
 
+namespace {
+/// NaN is in no range, though the parser's own check lets it pass.
+CLI::Validator in_range(double least, double most) {
+  return CLI::Range(least, most) & CLI::Validator(
+                                       [](std::string& text) {
+                                         double value = 0;
+                                         return CLI::detail::lexical_cast(text, value) && std::isnan(value)
+                                                    ? "'" + text + "' is not a number"
+                                                    : std::string();
+                                       },
+                                       "");
+}
+}  // namespace
+
 Option Options::text(const std::string& names, std::string& target, const std::string& help,
                      const std::string& type) {
   return add(command_->add_option(names, target, help)->type_name(type));
@@ -94,10 +110,24 @@ Option Options::number(const std::string& names, std::optional<uint32_t>& target
 }
 Option Options::number(const std::string& names, double& target, double least, double most,
                        const std::string& help) {
-  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+  return add(command_->add_option(names, target, help)->check(in_range(least, most)));
 }
 Option Options::number(const std::string& names, uint64_t& target, const std::string& help) {
-  return add(command_->add_option(names, target, help));
+  // Not the parser's own conversion: it wraps negative numbers round, and takes 010 for 8.
+  const auto read = [](const std::string& text, uint64_t& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size();
+  };
+  const auto refuse = [read](const std::string& text) {
+    uint64_t value = 0;
+    return read(text, value) ? std::string()
+                             : fmt::format("'{}' is not a whole number from 0 to {}", text, UINT64_MAX);
+  };
+  return add(command_
+                 ->add_option_function<std::string>(
+                     names, [&target, read](const std::string& text) { read(text, target); }, help)
+                 ->type_name("UINT")
+                 ->check(CLI::Validator(refuse, "")));
 }
 
 Option Options::numbers(const std::string& names, std::vector<int>& target, int least, int most,
@@ -106,7 +136,7 @@ Option Options::numbers(const std::string& names, std::vector<int>& target, int 
 }
 Option Options::numbers(const std::string& names, std::vector<double>& target, double least, double most,
                         const std::string& help) {
-  return add(command_->add_option(names, target, help)->delimiter(',')->check(CLI::Range(least, most)));
+  return add(command_->add_option(names, target, help)->delimiter(',')->check(in_range(least, most)));
 }
 
 Option Options::flag(const std::string& names, bool& target, const std::string& help) {

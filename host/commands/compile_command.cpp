@@ -8,6 +8,7 @@
 #include "host/commands/commands.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
+#include "host/process/interrupt.h"
 
 namespace rayfarm {
 namespace {
@@ -25,9 +26,12 @@ void check_options(const CompileOptions& o) {
         fmt::format("{}: is compiled already; compile the scene that it was made from", o.scene));
 }
 
-int compile_objects(const CompileOptions& o) {
-  const SceneDescription scene = load_scene(o.scene);
-  const CompiledScene compiled = compile(scene, o.build, Purpose::library);
+int compile_objects(const CompileOptions& o) try {
+  const StopOnInterrupt stop;
+  const SceneDescription scene = load_scene(o.scene, stop.token());
+  BuildOptions build = o.build;
+  build.stop = stop.token();
+  const CompiledScene compiled = compile(scene, build, Purpose::library);
   for (const std::string& note : compiled.notes.lines()) say("rayfarm: {}\n", note);
   if (compiled.scene.instances.empty() && compiled.scene.lights.empty())
     throw InputError(scene.source(), "there is no object in it that could be compiled");
@@ -35,9 +39,13 @@ int compile_objects(const CompileOptions& o) {
     throw InputError(scene.source(),
                      fmt::format("it expands to {} objects; a file of compiled objects holds at most {}",
                                  compiled.scene.object_nodes.size(), limits::kObjects));
+  throw_if_stopped(stop.token());
   write_part_file(o.output, compiled.block, o.scene);
   fmt::print("{}\n", o.output);
   return kComplete;
+} catch (const Stopped&) {
+  say("rayfarm: stopped before {} was written\n", o.output);
+  return kStopped;
 }
 
 }  // namespace

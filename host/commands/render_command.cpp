@@ -257,6 +257,9 @@ void check_combinations(const RenderOptions& o) {
     throw UsageError(
         "--subpixels are cut to send rays through their corners: give --sampling corners, too; other "
         "patterns take --samples");
+  if (s.adaptive_contrast > 0 && s.sampling == SamplingPattern::corners)
+    throw UsageError(
+        "--adaptive adds samples to pixels, and --sampling corners takes none; leave one of them out");
   if (s.adaptive_contrast > 0 && s.samples < 2)
     throw UsageError("--adaptive chooses where more than one sample is taken; set --samples");
   if (s.adaptive_contrast > 0 && s.lighting == LightingModel::path)

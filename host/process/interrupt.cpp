@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 
 namespace rayfarm {
 namespace {
@@ -29,6 +30,15 @@ void catch_interrupts() {
 
 int interrupted_by() {
   return caught;
+}
+
+StopOnInterrupt::StopOnInterrupt() {
+  catch_interrupts();
+  watch_ = std::jthread([this](const std::stop_token& over) {
+    using namespace std::chrono_literals;
+    while (!over.stop_requested() && interrupted_by() == 0) std::this_thread::sleep_for(10ms);
+    if (interrupted_by() != 0) stop_.request_stop();
+  });
 }
 
 }  // namespace rayfarm

@@ -1,4 +1,6 @@
 #pragma once
+#include <stop_token>
+#include <thread>
 
 namespace rayfarm {
 
@@ -7,5 +9,16 @@ namespace rayfarm {
 void catch_interrupts();
 /// The signal that asked the host to stop, or 0.
 int interrupted_by();
+
+/// Catches interrupts, and hands them on to work that looks at a stop token.
+class StopOnInterrupt {
+ public:
+  StopOnInterrupt();
+  std::stop_token token() const { return stop_.get_token(); }
+
+ private:
+  std::stop_source stop_;
+  std::jthread watch_;  // last: it ends before what it sets
+};
 
 }  // namespace rayfarm

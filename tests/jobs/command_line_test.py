@@ -68,7 +68,10 @@ class Usage(JobTest):
         for option, value, says in (("--size", "64", "WIDTHxHEIGHT"), ("--size", "70000x10", "65536"), ("--size", "0x9", "65536"),
                                     ("--samples", "0", "samples"), ("--lighting", "fong", "torrance-sparrow|whitted"),
                                     ("--frames", "9-1", "before"), ("--frames", "x", "frame number"),
-                                    ("--frames", "1-3", "####"), ("--crop", "1,2,3", "x0,x1,y0,y1"), ("--max-depth", "0", "max-depth")):
+                                    ("--frames", "1-3", "####"), ("--crop", "1,2,3", "x0,x1,y0,y1"), ("--max-depth", "0", "max-depth"),
+                                    ("--processor-time", "nan", "not a number"), ("--shutter", "nan", "--shutter"),
+                                    ("--node-timeout", "nan", "not a number"), ("--seed", "-1", "whole number"), ("--seed", "18446744073709551616", "whole number"),
+                                     ("--processor-times", "1,nan", "not a number")):
             self.expect(2, "render", SCENE, "-o", self.folder / "a.png", option, value, says=[says])
 
     def test_wavelengths_of_colour(self):

@@ -298,6 +298,18 @@ class Interrupted(JobTest):
     def test_terminate_alone(self):
         self.assertEqual(self.interrupt(signal.SIGTERM)[0], 75)
 
+    def test_interrupt_while_objects_are_compiled(self):
+        scene = write_big_scene(self, 1300)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            process = subprocess.Popen([RAYFARM, "compile", str(scene), "-o", str(self.folder / "big.rfp")], stdout=subprocess.PIPE,
+                                       stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
+            time.sleep(0.3)
+            process.send_signal(number)
+            stderr = process.communicate(timeout=30)[1]
+            self.assertEqual(process.returncode, 75, stderr)
+            self.assertIn("stopped before", stderr)
+            self.assertEqual(sorted(os.listdir(self.folder)), ["big.obj", "big.yaml"])
+
     def test_interrupt_while_loading(self):
         scene = write_big_scene(self, 1300)
         for delay in (0.3, 1.2, 2.5):  # it reads, and builds
