@@ -68,7 +68,7 @@ PartGeometry geometry_of(const Scene& scene, const Part& part) {
 }
 
 std::vector<RaySet> make_rays(const Scene& scene, const Pose& pose) {
-  RaySet primary{"primary", false, {}}, diffuse{"diffuse", false, {}}, shadow{"shadow", true, {}};
+  RaySet primary{"primary", false, {}, {}}, diffuse{"diffuse", false, {}, {}}, shadow{"shadow", true, {}, {}};
   const Camera camera = make_camera(scene, 0, kImageSize_px, kImageSize_px);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> unit;
@@ -94,7 +94,14 @@ std::vector<RaySet> make_rays(const Scene& scene, const Pose& pose) {
       const Vec3 origin = surface.ray_origin(to_light);
       shadow.rays.push_back({origin, scene.lights[0].position - origin, 1});
     }
-  return {primary, diffuse, shadow};
+  std::vector<RaySet> sets{primary, diffuse, shadow};
+  for (RaySet& set : sets) {
+    set.packets.reserve(set.rays.size() / kMostPacketRays + 1);
+    for (size_t i = 0; i < set.rays.size(); i += kMostPacketRays)
+      set.packets.emplace_back(
+          std::span(set.rays).subspan(i, std::min(kMostPacketRays, set.rays.size() - i)));
+  }
+  return sets;
 }
 
 std::unique_ptr<Subject> load_subject(const std::string& path) {
@@ -118,13 +125,13 @@ size_t trace(const Scene& scene, const Pose& pose, const RaySet& set, size_t beg
 size_t trace_packets(const Scene& scene, const Pose& pose, const RaySet& set, size_t begin, size_t end) {
   size_t hits = 0;
   std::array<Hit, kMostPacketRays> found;
-  for (size_t i = begin; i < end; i += kMostPacketRays) {
-    const auto rays = std::span(set.rays).subspan(i, std::min(kMostPacketRays, end - i));
+  for (size_t i = begin / kMostPacketRays; i * kMostPacketRays < end; ++i) {
+    const RayPacket& rays = set.packets[i];
     if (set.is_any_hit) {
       hits += static_cast<size_t>(std::popcount(any_hits(scene, pose, rays)));
     } else {
       closest_hits(scene, pose, rays, found.data());
-      for (size_t k = 0; k < rays.size(); ++k) hits += found[k].is_hit();
+      for (size_t k = 0; k < rays.size; ++k) hits += found[k].is_hit();
     }
   }
   return hits;

@@ -13,6 +13,7 @@ struct RaySet {
   std::string name;
   bool is_any_hit = false;
   std::vector<Ray> rays;
+  std::vector<RayPacket> packets;  ///< the same, eight by eight
 };
 
 /// Primary rays of a picture in tiles, as a subpolygon gives them; one diffuse ray from each hit, distributed
@@ -31,7 +32,7 @@ struct Subject {
 };
 std::unique_ptr<Subject> load_subject(const std::string& path);
 
-/// The hits of rays [begin, end), traced alone or eight at a time.
+/// The hits of rays [begin, end), traced alone, or eight at a time if begin is the first of eight.
 size_t trace(const Scene& scene, const Pose& pose, const RaySet& set, size_t begin, size_t end);
 size_t trace_packets(const Scene& scene, const Pose& pose, const RaySet& set, size_t begin, size_t end);
 
