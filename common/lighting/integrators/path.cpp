@@ -38,10 +38,10 @@ class PathTracer {
         colors_(colors) {}
 
   /// `spread`: of the rays' cones. Returns how many rays met an object.
-  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread) {
-    for (size_t i = 0; i < rays.size(); ++i) {
+  size_t trace(const RayPacket& rays, std::span<const SampleId> ids, double spread) {
+    rays_ = rays;
+    for (size_t i = 0; i < rays.size; ++i) {
       colors_[i] = Color(0);
-      rays_.push_back(rays[i]);
       Path path;
       path.place = static_cast<uint32_t>(i);
       path.id = ids[i];
@@ -55,24 +55,24 @@ class PathTracer {
  private:
   void step() {
     OfPacket<Hit> hits;
-    hits.resize_for_overwrite(rays_.size());
-    closest_hits(scene_, pose_, rays_.span(), hits.data());
+    hits.resize_for_overwrite(rays_.size);
+    closest_hits(scene_, pose_, rays_, hits.data());
     shadow_rays_.clear();
     shadow_colors_.clear();
     size_t kept = 0;
-    for (size_t i = 0; i < rays_.size(); ++i) {
+    for (size_t i = 0; i < rays_.size; ++i) {
       Ray ray = rays_[i];
       Path path = paths_[i];
       if (!visit(path, ray, hits[i])) continue;
-      rays_[kept] = ray;
+      rays_.set(kept, ray.origin, ray.direction);
       paths_[kept++] = path;
     }
-    rays_.resize_for_overwrite(kept);
+    rays_.size = kept;
     paths_.resize_for_overwrite(kept);
     if (shadow_rays_.empty()) return;
-    counts_[RayKind::shadow] += shadow_rays_.size();
-    const uint32_t blocked = any_hits(scene_, pose_, shadow_rays_.span());
-    for (size_t i = 0; i < shadow_rays_.size(); ++i)
+    counts_[RayKind::shadow] += shadow_rays_.size;
+    const uint32_t blocked = any_hits(scene_, pose_, shadow_rays_);
+    for (size_t i = 0; i < shadow_rays_.size; ++i)
       if (!(blocked >> i & 1)) colors_[shadow_colors_[i].place] += shadow_colors_[i].color;
   }
 
@@ -202,7 +202,7 @@ class PathTracer {
     if (&followed != &lobes)
       color += path.throughput * (scattered.value - shared.value) * sample.incident / probability;
     const Vec3 origin = surface.ray_origin(sample.to_light);
-    shadow_rays_.push_back({origin, sample.target - origin, 1});
+    shadow_rays_.push_back(origin, sample.target - origin, 1);
     shadow_colors_.push_back({path.place, color});
   }
 
@@ -235,14 +235,14 @@ class PathTracer {
   RayCounts& counts_;
   Color* colors_;  ///< of the eye rays
   size_t eye_hits_ = 0;
-  OfPacket<Ray> rays_, shadow_rays_;
+  RayPacket rays_, shadow_rays_;
   OfPacket<Path> paths_;
   OfPacket<ShadowColor> shadow_colors_;
 };
 
 class PathIntegrator : public Integrator {
  private:
-  size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+  size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
     return PathTracer(context, counts, colors).trace(rays, ids, context.spread);
   }
