@@ -1,8 +1,11 @@
 // The rendering equation without bias: paths that scatter as the materials do, a shadow ray to one source at
 // each turn, both weighted by multiple importance sampling (Veach 1997), ended by Russian roulette. The
 // reference for the other lighting models. Ambient light, their stand-in for what paths find, is left out.
+#include <bit>
+
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/integrator.h"
+#include "common/lighting/integrators/path_lanes.h"
 #include "common/lighting/light_choice.h"
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
@@ -26,29 +29,39 @@ struct Path {
 };
 static_assert(std::is_trivially_copyable_v<Path>);
 
-/// Up to kMostPacketRays paths go on together; what becomes of one does not depend on the others.
+/// Up to kMostPacketRays paths go on together; what becomes of one does not depend on the others. Those whose
+/// surfaces allow it take their steps in lanes at once, the others one by one, and no bit of a colour tells
+/// which.
 class PathTracer {
  public:
-  PathTracer(const FrameContext& context, RayCounts& counts, Color* colors)
-      : scene_(context.scene),
+  PathTracer(const FrameContext& context, bool is_in_lanes, RayCounts& counts, Color* colors)
+      : context_(context),
+        scene_(context.scene),
         pose_(context.pose),
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
+        is_in_lanes_(is_in_lanes),
         counts_(counts),
         colors_(colors) {}
 
-  /// `spread`: of the rays' cones. Returns how many rays met an object.
-  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids, double spread) {
+  /// Returns how many rays met an object.
+  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids) {
+    ids_ = ids;
     for (size_t i = 0; i < rays.size(); ++i) {
       colors_[i] = Color(0);
       rays_.push_back(rays[i]);
-      Path path;
+      Path& path = paths_.emplace_back();
       path.place = static_cast<uint32_t>(i);
       path.id = ids[i];
-      path.spread = spread;
-      paths_.push_back(path);
+      path.spread = context_.spread;
+      columns_.places[i] = path.place;
+      columns_.pixel_keys[i] = sampler_.pixel_key(ids[i]);
+      columns_.reversed_samples[i] = reversed_bits(ids[i].sample);
+      set_vec3(columns_.throughput, i, path.throughput);
+      set_vec3(columns_.direction, i, rays[i].direction);
+      columns_.pdf[i] = path.pdf;
     }
-    while (!rays_.empty()) step();
+    for (; !rays_.empty(); ++depth_) step();
     return eye_hits_;
   }
 
@@ -59,21 +72,140 @@ class PathTracer {
     closest_hits(scene_, pose_, rays_.span(), hits.data());
     shadow_rays_.clear();
     shadow_colors_.clear();
-    size_t kept = 0;
-    for (size_t i = 0; i < rays_.size(); ++i) {
-      Ray ray = rays_[i];
-      Path path = paths_[i];
-      if (!visit(path, ray, hits[i])) continue;
-      rays_[kept] = ray;
-      paths_[kept++] = path;
+    LaneSet together = 0, go_on = 0;
+    columns_.clear_sets();
+    for (size_t lane = 0; lane < rays_.size(); ++lane) {
+      if (is_in_lanes_ && prepare_lane(lane, hits[lane]))
+        together |= LaneSet{1} << lane;
+      else if (visit_alone(lane, hits[lane]))
+        go_on |= LaneSet{1} << lane;
     }
-    rays_.resize_for_overwrite(kept);
-    paths_.resize_for_overwrite(kept);
+    if (together != 0) go_on |= visit_together(together);
+    keep(go_on);
     if (shadow_rays_.empty()) return;
     counts_[RayKind::shadow] += shadow_rays_.size();
     const uint32_t blocked = any_hits(scene_, pose_, shadow_rays_.span());
     for (size_t i = 0; i < shadow_rays_.size(); ++i)
       if (!(blocked >> i & 1)) colors_[shadow_colors_[i].place] += shadow_colors_[i].color;
+  }
+
+  /// Leaves the lanes of the paths that go on, close together.
+  void keep(LaneSet go_on) {
+    size_t kept = 0;
+    for (LaneSet rest = go_on; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<size_t>(std::countr_zero(rest));
+      if (kept != lane) columns_.move_path(lane, kept);
+      rays_[kept] = {vec3_at(columns_.origin, lane), vec3_at(columns_.direction, lane)};
+      ++kept;
+    }
+    rays_.resize_for_overwrite(kept);
+  }
+
+  /// A path's step by itself.
+  bool visit_alone(size_t lane, const Hit& hit) {
+    Path& path = paths_[columns_.places[lane]];
+    path.depth = depth_;
+    path.throughput = vec3_at(columns_.throughput, lane);
+    path.pdf = columns_.pdf[lane];
+    Ray ray = rays_[lane];
+    if (!visit(path, ray, hit)) return false;
+    set_vec3(columns_.throughput, lane, path.throughput);
+    columns_.pdf[lane] = path.pdf;
+    set_vec3(columns_.origin, lane, ray.origin);
+    set_vec3(columns_.direction, lane, ray.direction);
+    return true;
+  }
+
+  /// Sets what a step in lanes needs. False if the path can't take it: nothing is set.
+  bool prepare_lane(size_t lane, const Hit& hit) {
+    if (!hit.is_hit() || depth_ >= settings_.max_depth) return false;
+    const Ray& ray = rays_[lane];
+    const Surface surface = eval_surface(scene_, pose_, ray, hit);
+    const Material& material = scene_.materials[surface.material];
+    if (is_textured(material) || is_luminaire(material) || !has_diffuse_rays(material)) return false;
+    if (material.exponent > 0 && material.kind != MaterialKind::lambertian) return false;
+    Path& path = paths_[columns_.places[lane]];
+    const LaneSet bit = LaneSet{1} << lane;
+    double index_ratio = surface.is_front ? material.index : 1 / material.index;
+    const auto set_substrate = [&](const Color& color) {
+      set_vec3(columns_.substrate, lane, color);
+      columns_.substrates |= bit;
+    };
+    switch (material.kind) {
+      case MaterialKind::lambertian:
+        set_substrate(material.color);
+        break;
+      case MaterialKind::classical:
+        if (material.specular > 0 && !(material.reflect > 0)) return false;
+        if (material.diffuse > 0) set_substrate(material.diffuse * material.color);
+        if (!(material.reflect > 0) && !(material.transmit > 0)) break;
+        columns_.classical |= bit;
+        columns_.reflect[lane] = material.reflect;
+        columns_.transmit[lane] = material.transmit;
+        set_vec3(columns_.through, lane, material.transmit * material.interior);
+        break;
+      case MaterialKind::polished:
+        set_substrate(material.color);
+        columns_.polished |= bit;
+        index_ratio = material.index;
+        break;
+      case MaterialKind::conductor:
+        columns_.conductors |= bit;
+        set_vec3(columns_.n, lane, material.n);
+        set_vec3(columns_.k, lane, material.k);
+        break;
+      case MaterialKind::dielectric: {
+        const Media::Crossing crossing = path.media.meet(scene_, surface.material, surface.is_front);
+        if (!crossing.is_real) return false;
+        columns_.dielectrics |= bit;
+        index_ratio = crossing.index_ratio;
+        break;
+      }
+      case MaterialKind::translucent:
+      case MaterialKind::luminaire:
+      case MaterialKind::mix:
+        return false;
+    }
+    columns_.index_ratio[lane] = index_ratio;
+    set_vec3(columns_.p, lane, surface.p);
+    set_vec3(columns_.geometric_normal, lane, surface.geometric_normal);
+    set_vec3(columns_.shading_normal, lane, surface.shading_normal);
+    columns_.offset[lane] = surface.offset;
+    columns_.materials[lane] = surface.material;
+    if (surface.is_front) columns_.is_front |= bit;
+    if (path.reflections < settings_.max_reflections) columns_.can_reflect |= bit;
+    if (path.transmissions < settings_.max_transmissions) columns_.can_transmit |= bit;
+    if (depth_ == 1) ++eye_hits_;
+    path.width += hit.t * path.spread;
+    if (!path.media.is_in_air())
+      set_vec3(columns_.throughput, lane,
+               vec3_at(columns_.throughput, lane) * path.media.transmittance(scene_, hit.t));
+    return true;
+  }
+
+  /// The steps of the lanes that are prepared. Returns those whose paths go on.
+  LaneSet visit_together(LaneSet lanes) {
+    const PathStep step =
+        step_in_lanes({context_, ids_, depth_, depth_ >= kFirstRoulette}, lanes, columns_, shadows_);
+    for (LaneSet rest = step.has_shadow; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<size_t>(std::countr_zero(rest));
+      shadow_rays_.push_back({vec3_at(shadows_.origin, lane), vec3_at(shadows_.to_target, lane), 1});
+      shadow_colors_.push_back({columns_.places[lane], vec3_at(shadows_.color, lane)});
+    }
+    for (LaneSet rest = step.go_on; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<size_t>(std::countr_zero(rest));
+      Path& path = paths_[columns_.places[lane]];
+      if (step.is_diffuse >> lane & 1) path.spread = kDiffuseSpread;
+      const bool is_transmitted = step.is_transmitted >> lane & 1;
+      ++(is_transmitted ? path.transmissions : path.reflections);
+      if (is_transmitted && (columns_.dielectrics >> lane & 1))
+        path.media.cross(columns_.materials[lane], columns_.is_front >> lane & 1);
+    }
+    const auto count = [](LaneSet set) { return static_cast<size_t>(std::popcount(set)); };
+    counts_[RayKind::transmitted] += count(step.is_transmitted);
+    counts_[RayKind::diffuse] += count(step.is_diffuse);
+    counts_[RayKind::reflected] += count(step.go_on & ~(step.is_transmitted | step.is_diffuse));
+    return step.go_on;
   }
 
   /// Adds what the path finds where it hits, and turns `ray` into what follows. False: the path ends.
@@ -206,12 +338,6 @@ class PathTracer {
     shadow_colors_.push_back({path.place, color});
   }
 
-  /// The power heuristic for one sample of each of two densities (Veach 1997, section 9.2.4).
-  static double balance(double used, double other) {
-    const double ratio = other / used;
-    return 1 / (1 + ratio * ratio);
-  }
-
   bool survives(Path& path, double u) const {
     const double strength = max_component(path.throughput);
     if (!(strength > 0)) return false;
@@ -228,30 +354,45 @@ class PathTracer {
     Color color;
   };
 
+  const FrameContext& context_;
   const Scene& scene_;
   const Pose& pose_;
   const RenderSettings& settings_;
   const Sampler& sampler_;
+  bool is_in_lanes_;
   RayCounts& counts_;
   Color* colors_;  ///< of the eye rays
   size_t eye_hits_ = 0;
+  std::span<const SampleId> ids_;
+  uint32_t depth_ = 1;  ///< of all paths: each step adds one
   OfPacket<Ray> rays_, shadow_rays_;
-  OfPacket<Path> paths_;
+  OfPacket<Path> paths_;  ///< by place; throughput and pdf stand in the columns
+  PathColumns columns_;   ///< in the order of the rays
+  ShadowColumns shadows_;
   OfPacket<ShadowColor> shadow_colors_;
 };
 
 class PathIntegrator : public Integrator {
+ public:
+  explicit PathIntegrator(bool is_in_lanes) : is_in_lanes_(is_in_lanes) {}
+
  private:
   size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
-    return PathTracer(context, counts, colors).trace(rays, ids, context.spread);
+    return PathTracer(context, is_in_lanes_, counts, colors).trace(rays, ids);
   }
+
+  bool is_in_lanes_;
 };
 
 }  // namespace
 
 std::unique_ptr<Integrator> make_path() {
-  return std::make_unique<PathIntegrator>();
+  return std::make_unique<PathIntegrator>(true);
+}
+
+std::unique_ptr<Integrator> make_path_one_by_one() {
+  return std::make_unique<PathIntegrator>(false);
 }
 
 }  // namespace rayfarm
