@@ -50,8 +50,8 @@ HWY_INLINE Truth sample_sphere_light(const SphereRecord& sphere, const Color& em
   const Real3 normal =
       normalized(across - hn::Sqrt(at_least_0(real(1) - dot(across, across))) * sample.to_light);
   sample.pdf = cone_pdf(height);
-  sample.target =
-      target_off(center + radius * normal, normal, real(rayfarm::max_magnitude(sphere.center) + sphere.radius), p);
+  sample.target = target_off(center + radius * normal, normal,
+                             real(rayfarm::max_magnitude(sphere.center) + sphere.radius), p);
   const Truth is_seen = hn::And(dot(normal, sample.to_light) < hn::Zero(d), sample.pdf > hn::Zero(d));
   const Real3 incident = all(emission) / sample.pdf;
   sample.incident = select(is_seen, incident, all(hn::Zero(d)));
