@@ -241,12 +241,12 @@ size_t trace_rayfarm(const Scene& scene, const Pose& pose, const RaySet& set, si
   if (in_packets) {
     std::array<Hit, kMostPacketRays> found;
     for (size_t i = begin; i < end; i += kMostPacketRays) {
-      const auto rays = std::span(set.rays).subspan(i, std::min(kMostPacketRays, end - i));
+      const RayPacket rays{std::span(set.rays).subspan(i, std::min(kMostPacketRays, end - i))};
       if (set.is_any_hit) {
         hits += static_cast<size_t>(std::popcount(any_hits(scene, pose, rays)));
       } else {
         closest_hits(scene, pose, rays, found.data());
-        for (size_t k = 0; k < rays.size(); ++k) hits += found[k].is_hit();
+        for (size_t k = 0; k < rays.size; ++k) hits += found[k].is_hit();
       }
     }
     return hits;

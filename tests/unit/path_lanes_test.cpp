@@ -19,7 +19,7 @@ void compare(const std::string& scene, const RenderSettings& settings, const std
   Probe probe(scene);
   const SamplingTables tables(settings, 2);
   const FrameContext context{probe.compiled.scene, probe.pose, tables, 0.001};
-  const auto trace = [&](Integrator& integrator, std::span<const Ray> rays, std::span<const SampleId> ids,
+  const auto trace = [&](Integrator& integrator, const RayPacket& rays, std::span<const SampleId> ids,
                          RayCounts& counts) {
     Traced traced;
     traced.eye_hits = integrator.trace(context, rays, ids, counts, traced.colors.data());
@@ -31,12 +31,12 @@ void compare(const std::string& scene, const RenderSettings& settings, const std
   std::uniform_real_distribution<double> real(-0.7, 0.7);
   for (int round = 0; round < 300; ++round) {
     const size_t n = round % 3 ? kMostPacketRays : 1 + static_cast<size_t>(random() % kMostPacketRays);
-    std::vector<Ray> rays;
+    RayPacket rays;
     std::vector<SampleId> ids;
     const Vec3 origin(real(random), real(random), real(random)),
         towards(real(random), real(random), real(random));
     for (size_t i = 0; i < n; ++i) {
-      rays.push_back({origin, normalized(towards + 0.3 * Vec3(real(random), real(random), real(random)))});
+      rays.push_back(origin, normalized(towards + 0.3 * Vec3(real(random), real(random), real(random))));
       ids.push_back({round, static_cast<int>(i), static_cast<uint32_t>(random() % settings.samples)});
     }
     const Traced found = trace(*in_lanes, rays, ids, counts_in_lanes),

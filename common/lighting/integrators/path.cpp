@@ -45,11 +45,11 @@ class PathTracer {
         colors_(colors) {}
 
   /// Returns how many rays met an object.
-  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids) {
+  size_t trace(const RayPacket& rays, std::span<const SampleId> ids) {
     ids_ = ids;
-    for (size_t i = 0; i < rays.size(); ++i) {
+    columns_.rays = rays;
+    for (size_t i = 0; i < rays.size; ++i) {
       colors_[i] = Color(0);
-      rays_.push_back(rays[i]);
       Path& path = paths_.emplace_back();
       path.place = static_cast<uint32_t>(i);
       path.id = ids[i];
@@ -57,129 +57,64 @@ class PathTracer {
       columns_.places[i] = path.place;
       columns_.pixel_keys[i] = sampler_.pixel_key(ids[i]);
       columns_.reversed_samples[i] = reversed_bits(ids[i].sample);
-      set_vec3(columns_.throughput, i, path.throughput);
-      set_vec3(columns_.direction, i, rays[i].direction);
+      set_lane(columns_.throughput, i, path.throughput);
       columns_.pdf[i] = path.pdf;
     }
-    for (; !rays_.empty(); ++depth_) step();
+    for (; !columns_.rays.empty(); ++depth_) step();
     return eye_hits_;
   }
 
  private:
   void step() {
+    const size_t count = columns_.rays.size;
     OfPacket<Hit> hits;
-    hits.resize_for_overwrite(rays_.size());
-    closest_hits(scene_, pose_, rays_.span(), hits.data());
-    shadow_rays_.clear();
-    shadow_colors_.clear();
-    LaneSet together = 0, go_on = 0;
+    hits.resize_for_overwrite(count);
+    closest_hits(scene_, pose_, columns_.rays, hits.data());
     columns_.clear_sets();
-    for (size_t lane = 0; lane < rays_.size(); ++lane) {
-      if (is_in_lanes_ && prepare_lane(lane, hits[lane]))
-        together |= LaneSet{1} << lane;
-      else if (visit_alone(lane, hits[lane]))
-        go_on |= LaneSet{1} << lane;
-    }
-    if (together != 0) go_on |= visit_together(together);
-    keep(go_on);
-    if (shadow_rays_.empty()) return;
-    counts_[RayKind::shadow] += shadow_rays_.size();
-    const uint32_t blocked = any_hits(scene_, pose_, shadow_rays_.span());
-    for (size_t i = 0; i < shadow_rays_.size(); ++i)
-      if (!(blocked >> i & 1)) colors_[shadow_colors_[i].place] += shadow_colors_[i].color;
-  }
-
-  /// Leaves the lanes of the paths that go on, close together.
-  void keep(LaneSet go_on) {
-    size_t kept = 0;
-    for (LaneSet rest = go_on; rest != 0; rest &= rest - 1) {
-      const auto lane = static_cast<size_t>(std::countr_zero(rest));
-      if (kept != lane) columns_.move_path(lane, kept);
-      rays_[kept] = {vec3_at(columns_.origin, lane), vec3_at(columns_.direction, lane)};
-      ++kept;
-    }
-    rays_.resize_for_overwrite(kept);
+    shadows_.rays.clear();
+    LaneSet together = 0, go_on = 0;
+    if (is_in_lanes_ && depth_ < settings_.max_depth)
+      for (size_t lane = 0; lane < count; ++lane)
+        if (prepare(lane, hits[lane])) together |= LaneSet{1} << lane;
+    if (together != 0) go_on = visit_together(together);
+    for (size_t lane = 0; lane < count; ++lane)
+      if (!(together >> lane & 1) && visit_alone(lane, hits[lane])) go_on |= LaneSet{1} << lane;
+    columns_.keep(go_on);
+    if (shadows_.rays.empty()) return;
+    counts_[RayKind::shadow] += shadows_.rays.size;
+    const uint32_t blocked = any_hits(scene_, pose_, shadows_.rays);
+    for (size_t i = 0; i < shadows_.rays.size; ++i)
+      if (!(blocked >> i & 1)) colors_[shadows_.places[i]] += lane_of(shadows_.colors, i);
   }
 
   /// A path's step by itself.
   bool visit_alone(size_t lane, const Hit& hit) {
     Path& path = paths_[columns_.places[lane]];
     path.depth = depth_;
-    path.throughput = vec3_at(columns_.throughput, lane);
+    path.throughput = lane_of(columns_.throughput, lane);
     path.pdf = columns_.pdf[lane];
-    Ray ray = rays_[lane];
+    Ray ray = columns_.rays[lane];
     if (!visit(path, ray, hit)) return false;
-    set_vec3(columns_.throughput, lane, path.throughput);
+    set_lane(columns_.throughput, lane, path.throughput);
     columns_.pdf[lane] = path.pdf;
-    set_vec3(columns_.origin, lane, ray.origin);
-    set_vec3(columns_.direction, lane, ray.direction);
+    columns_.rays.set(lane, ray.origin, ray.direction);
     return true;
   }
 
-  /// Sets what a step in lanes needs. False if the path can't take it: nothing is set.
-  bool prepare_lane(size_t lane, const Hit& hit) {
-    if (!hit.is_hit() || depth_ >= settings_.max_depth) return false;
-    const Ray& ray = rays_[lane];
-    const Surface surface = eval_surface(scene_, pose_, ray, hit);
-    const Material& material = scene_.materials[surface.material];
-    if (is_textured(material) || is_luminaire(material) || !has_diffuse_rays(material)) return false;
-    if (material.exponent > 0 && material.kind != MaterialKind::lambertian) return false;
+  /// Sets what a step in lanes needs. False if the path must go alone: nothing has happened to it then.
+  bool prepare(size_t lane, const Hit& hit) {
+    if (!hit.is_hit()) return false;
     Path& path = paths_[columns_.places[lane]];
+    const Surface surface = eval_surface(scene_, pose_, columns_.rays[lane], hit);
+    if (!columns_.set_surface(scene_, lane, surface, path.media)) return false;
     const LaneSet bit = LaneSet{1} << lane;
-    double index_ratio = surface.is_front ? material.index : 1 / material.index;
-    const auto set_substrate = [&](const Color& color) {
-      set_vec3(columns_.substrate, lane, color);
-      columns_.substrates |= bit;
-    };
-    switch (material.kind) {
-      case MaterialKind::lambertian:
-        set_substrate(material.color);
-        break;
-      case MaterialKind::classical:
-        if (material.specular > 0 && !(material.reflect > 0)) return false;
-        if (material.diffuse > 0) set_substrate(material.diffuse * material.color);
-        if (!(material.reflect > 0) && !(material.transmit > 0)) break;
-        columns_.classical |= bit;
-        columns_.reflect[lane] = material.reflect;
-        columns_.transmit[lane] = material.transmit;
-        set_vec3(columns_.through, lane, material.transmit * material.interior);
-        break;
-      case MaterialKind::polished:
-        set_substrate(material.color);
-        columns_.polished |= bit;
-        index_ratio = material.index;
-        break;
-      case MaterialKind::conductor:
-        columns_.conductors |= bit;
-        set_vec3(columns_.n, lane, material.n);
-        set_vec3(columns_.k, lane, material.k);
-        break;
-      case MaterialKind::dielectric: {
-        const Media::Crossing crossing = path.media.meet(scene_, surface.material, surface.is_front);
-        if (!crossing.is_real) return false;
-        columns_.dielectrics |= bit;
-        index_ratio = crossing.index_ratio;
-        break;
-      }
-      case MaterialKind::translucent:
-      case MaterialKind::luminaire:
-      case MaterialKind::mix:
-        return false;
-    }
-    columns_.index_ratio[lane] = index_ratio;
-    set_vec3(columns_.p, lane, surface.p);
-    set_vec3(columns_.geometric_normal, lane, surface.geometric_normal);
-    set_vec3(columns_.shading_normal, lane, surface.shading_normal);
-    columns_.offset[lane] = surface.offset;
-    columns_.materials[lane] = surface.material;
-    if (surface.is_front) columns_.is_front |= bit;
     if (path.reflections < settings_.max_reflections) columns_.can_reflect |= bit;
     if (path.transmissions < settings_.max_transmissions) columns_.can_transmit |= bit;
     if (depth_ == 1) ++eye_hits_;
     path.width += hit.t * path.spread;
     if (!path.media.is_in_air())
-      set_vec3(columns_.throughput, lane,
-               vec3_at(columns_.throughput, lane) * path.media.transmittance(scene_, hit.t));
+      set_lane(columns_.throughput, lane,
+               lane_of(columns_.throughput, lane) * path.media.transmittance(scene_, hit.t));
     return true;
   }
 
@@ -187,11 +122,6 @@ class PathTracer {
   LaneSet visit_together(LaneSet lanes) {
     const PathStep step =
         step_in_lanes({context_, ids_, depth_, depth_ >= kFirstRoulette}, lanes, columns_, shadows_);
-    for (LaneSet rest = step.has_shadow; rest != 0; rest &= rest - 1) {
-      const auto lane = static_cast<size_t>(std::countr_zero(rest));
-      shadow_rays_.push_back({vec3_at(shadows_.origin, lane), vec3_at(shadows_.to_target, lane), 1});
-      shadow_colors_.push_back({columns_.places[lane], vec3_at(shadows_.color, lane)});
-    }
     for (LaneSet rest = step.go_on; rest != 0; rest &= rest - 1) {
       const auto lane = static_cast<size_t>(std::countr_zero(rest));
       Path& path = paths_[columns_.places[lane]];
@@ -334,8 +264,7 @@ class PathTracer {
     if (&followed != &lobes)
       color += path.throughput * (scattered.value - shared.value) * sample.incident / probability;
     const Vec3 origin = surface.ray_origin(sample.to_light);
-    shadow_rays_.push_back({origin, sample.target - origin, 1});
-    shadow_colors_.push_back({path.place, color});
+    shadows_.push_back(origin, sample.target - origin, color, path.place);
   }
 
   bool survives(Path& path, double u) const {
@@ -348,12 +277,6 @@ class PathTracer {
     return true;
   }
 
-  /// What a shadow ray brings if nothing is in its way.
-  struct ShadowColor {
-    uint32_t place;  ///< of the path's eye ray
-    Color color;
-  };
-
   const FrameContext& context_;
   const Scene& scene_;
   const Pose& pose_;
@@ -364,12 +287,10 @@ class PathTracer {
   Color* colors_;  ///< of the eye rays
   size_t eye_hits_ = 0;
   std::span<const SampleId> ids_;
-  uint32_t depth_ = 1;  ///< of all paths: each step adds one
-  OfPacket<Ray> rays_, shadow_rays_;
+  uint32_t depth_ = 1;    ///< of all paths: each step adds one
   OfPacket<Path> paths_;  ///< by place; throughput and pdf stand in the columns
   PathColumns columns_;   ///< in the order of the rays
   ShadowColumns shadows_;
-  OfPacket<ShadowColor> shadow_colors_;
 };
 
 class PathIntegrator : public Integrator {
@@ -377,7 +298,7 @@ class PathIntegrator : public Integrator {
   explicit PathIntegrator(bool is_in_lanes) : is_in_lanes_(is_in_lanes) {}
 
  private:
-  size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+  size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
     return PathTracer(context, is_in_lanes_, counts, colors).trace(rays, ids);
   }

@@ -44,7 +44,7 @@ class LanesStep {
 
   HWY_INLINE PathStep run() {
     PathStep result;
-    to_viewer_ = -load3(paths_.direction, lane_);
+    to_viewer_ = -load3(paths_.rays.directions, lane_);
     p_ = load3(paths_.p, lane_);
     geometric_normal_ = load3(paths_.geometric_normal, lane_);
     const Real3 shading_normal = load3(paths_.shading_normal, lane_);
@@ -59,7 +59,7 @@ class LanesStep {
     const Real diffuse_share = diffuse / total;
     if (!scene_.lights.empty())
       if (const LaneSet lit = bits_of(hn::And(is_lit, lobes.has_diffuse)); lit != 0)
-        result.has_shadow = add_direct_light(lit, lobes.diffuse, diffuse_share);
+        add_direct_light(lit, lobes.diffuse, diffuse_share);
     follow(lobes, total, diffuse_share, is_lit, result);
     return result;
   }
@@ -191,10 +191,10 @@ class LanesStep {
     for (; lanes != 0; lanes &= lanes - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(lanes));
       const LightSample sample = sample_light(scene_, pose_, scene_.lights[sources[i]],
-                                              vec3_at(paths_.p, lane_ + i), Vec2(x[i], y[i]));
-      set_vec3(to_light, i, sample.to_light);
-      set_vec3(target, i, sample.target);
-      set_vec3(incident, i, sample.incident);
+                                              lane_of(paths_.p, lane_ + i), Vec2(x[i], y[i]));
+      set_lane(to_light, i, sample.to_light);
+      set_lane(target, i, sample.target);
+      set_lane(incident, i, sample.incident);
       pdf[i] = sample.pdf;
     }
     result = {load3(to_light, 0), load3(target, 0), load3(incident, 0), hn::Load(d, pdf)};
@@ -206,9 +206,17 @@ class LanesStep {
     return p_ + select(side >= zero_, offset_, hn::Neg(offset_)) * geometric_normal_;
   }
 
-  /// A shadow ray to one of the sources; only what is reflected diffusely shows its light. Returns the lanes
-  /// that have one.
-  HWY_INLINE LaneSet add_direct_light(LaneSet lit, const Real3& diffuse, Real diffuse_share) {
+  /// Behind the shadow rays that there are.
+  HWY_INLINE void append(const Real3& v, Truth which, RealColumn* columns) const {
+    const RealTag d;
+    const size_t end = shadows_.rays.size;
+    hn::StoreU(hn::Compress(v.x, which), d, columns[0] + end);
+    hn::StoreU(hn::Compress(v.y, which), d, columns[1] + end);
+    hn::StoreU(hn::Compress(v.z, which), d, columns[2] + end);
+  }
+
+  /// A shadow ray to one of the sources; only what is reflected diffusely shows its light.
+  HWY_INLINE void add_direct_light(LaneSet lit, const Real3& diffuse, Real diffuse_share) {
     Real probability;
     const RealLightSample sample = sample_lights(lit, probability);
     const Real cosine = dot(normal_, sample.to_light);
@@ -221,14 +229,20 @@ class LanesStep {
     is_seen = hn::And(is_seen, hn::And(is_before, cosine > zero_));
     is_seen = hn::AndNot(is_black(value), is_seen);
     const LaneSet seen = bits_of(is_seen);
-    if (seen == 0) return 0;
+    if (seen == 0) return;
     const Real ratio = diffuse_share * density / (sample.pdf * probability);
     const Real weight = select(sample.pdf > zero_, real(1) / (real(1) + ratio * ratio), real(1));
-    store3((weight / probability) * (throughput_ * value * sample.incident), shadows_.color, lane_);
-    const Real3 origin = ray_origin(sample.to_light);
-    store3(origin, shadows_.origin, lane_);
-    store3(sample.target - origin, shadows_.to_target, lane_);
-    return seen;
+    // The rays close up; at most as many lie before them as lanes do.
+    const Real3 origin = ray_origin(sample.to_light), to_target = sample.target - origin,
+                color = (weight / probability) * (throughput_ * value * sample.incident);
+    RayPacket& rays = shadows_.rays;
+    append(origin, is_seen, rays.origins);
+    append(to_target, is_seen, rays.directions);
+    append(color, is_seen, shadows_.colors);
+    for_each_lane(seen, [&](size_t i) {
+      rays.t_max[rays.size] = 1;
+      shadows_.places[rays.size++] = paths_.places[lane_ + i];
+    });
   }
 
   /// The direction in which paths go on: a lobe chosen by its share of the light, and a direction of it.
@@ -279,8 +293,8 @@ class LanesStep {
     const auto set3 = [&](const Real3& v, RealColumn* columns)
                           HWY_ATTR { store3(select(ours, v, load3(columns, lane_)), columns, lane_); };
     set3(throughput, paths_.throughput);
-    set3(ray_origin(direction), paths_.origin);
-    set3(direction, paths_.direction);
+    set3(ray_origin(direction), paths_.rays.origins);
+    set3(direction, paths_.rays.directions);
     hn::Store(select(ours, pdf, load(paths_.pdf)), d, paths_.pdf + lane_);
   }
 
@@ -331,7 +345,6 @@ PathStep step_vectors(const PathStage& stage, LaneSet lanes, PathColumns& paths,
     result.go_on |= step.go_on << lane;
     result.is_diffuse |= step.is_diffuse << lane;
     result.is_transmitted |= step.is_transmitted << lane;
-    result.has_shadow |= step.has_shadow << lane;
   }
   return result;
 }
