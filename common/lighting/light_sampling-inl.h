@@ -22,10 +22,6 @@ struct RealLightSample {
   Real pdf;
 };
 
-HWY_INLINE Real max_magnitude(const Real3& v) {
-  return hn::Max(hn::Max(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z));
-}
-
 /// Where the point that was chosen on a luminaire ends a shadow ray.
 HWY_INLINE Real3 target_off(const Real3& point, const Real3& normal, Real magnitude, const Real3& p) {
   const Real largest = hn::Max(magnitude, hn::Max(max_magnitude(point), max_magnitude(p)));

@@ -9,6 +9,10 @@ namespace rayfarm::portable {
 inline constexpr double kHalfPiHigh = 1.57079632673412561417e+00;
 inline constexpr double kHalfPiLow = 6.07710050650619224932e-11;
 
+// ln 2 in two parts, as pi/2.
+inline constexpr double kLn2High = 6.93147180369123816490e-01;
+inline constexpr double kLn2Low = 1.90821492927058770002e-10;
+
 /// 1 / n! for n up to 18.
 inline constexpr std::array<double, 19> kInverseFactorials = [] {
   std::array<double, 19> table{};
@@ -17,6 +21,13 @@ inline constexpr std::array<double, 19> kInverseFactorials = [] {
     if (n > 0) factorial *= n;
     table[static_cast<size_t>(n)] = 1 / factorial;
   }
+  return table;
+}();
+
+/// 1 / n for n up to 21.
+inline constexpr std::array<double, 22> kInverses = [] {
+  std::array<double, 22> table{};
+  for (size_t n = 1; n < table.size(); ++n) table[n] = 1.0 / static_cast<double>(n);
   return table;
 }();
 

@@ -13,18 +13,7 @@
 namespace rayfarm {
 namespace {
 
-using portable::kHalfPiHigh, portable::kHalfPiLow, portable::kInverseFactorials;
-
-// ln 2 in two parts, as pi/2.
-constexpr double kLn2High = 6.93147180369123816490e-01;
-constexpr double kLn2Low = 1.90821492927058770002e-10;
-
-/// 1 / n for n up to 21.
-constexpr std::array<double, 22> kInverses = [] {
-  std::array<double, 22> table{};
-  for (size_t n = 1; n < table.size(); ++n) table[n] = 1.0 / static_cast<double>(n);
-  return table;
-}();
+using namespace portable;
 
 double taylor_sin(double x) {  // |x| <= pi/4; the first omitted term is below 2e-18
   const double s = x * x;

@@ -73,9 +73,14 @@ class PathTracer {
     columns_.clear_sets();
     shadows_.rays.clear();
     LaneSet together = 0, go_on = 0;
-    if (is_in_lanes_ && depth_ < settings_.max_depth)
-      for (size_t lane = 0; lane < count; ++lane)
+    if (is_in_lanes_) {
+      LaneSet met = eval_surfaces(scene_, pose_, columns_.rays, hits.data(), columns_.surfaces);
+      if (depth_ >= settings_.max_depth) met = 0;
+      for (; met != 0; met &= met - 1) {
+        const auto lane = static_cast<size_t>(std::countr_zero(met));
         if (prepare(lane, hits[lane])) together |= LaneSet{1} << lane;
+      }
+    }
     if (together != 0) go_on = visit_together(together);
     for (size_t lane = 0; lane < count; ++lane)
       if (!(together >> lane & 1) && visit_alone(lane, hits[lane])) go_on |= LaneSet{1} << lane;
@@ -94,7 +99,10 @@ class PathTracer {
     path.throughput = lane_of(columns_.throughput, lane);
     path.pdf = columns_.pdf[lane];
     Ray ray = columns_.rays[lane];
-    if (!visit(path, ray, hit)) return false;
+    Surface surface;
+    if (hit.is_hit())
+      surface = is_in_lanes_ ? columns_.surfaces[lane] : eval_surface(scene_, pose_, ray, hit);
+    if (!visit(path, ray, hit, surface)) return false;
     set_lane(columns_.throughput, lane, path.throughput);
     columns_.pdf[lane] = path.pdf;
     columns_.rays.set(lane, ray.origin, ray.direction);
@@ -103,10 +111,8 @@ class PathTracer {
 
   /// Sets what a step in lanes needs. False if the path must go alone: nothing has happened to it then.
   bool prepare(size_t lane, const Hit& hit) {
-    if (!hit.is_hit()) return false;
     Path& path = paths_[columns_.places[lane]];
-    const Surface surface = eval_surface(scene_, pose_, columns_.rays[lane], hit);
-    if (!columns_.set_surface(scene_, lane, surface, path.media)) return false;
+    if (!columns_.set_material(scene_, lane, path.media)) return false;
     const LaneSet bit = LaneSet{1} << lane;
     if (path.reflections < settings_.max_reflections) columns_.can_reflect |= bit;
     if (path.transmissions < settings_.max_transmissions) columns_.can_transmit |= bit;
@@ -129,7 +135,7 @@ class PathTracer {
       const bool is_transmitted = step.is_transmitted >> lane & 1;
       ++(is_transmitted ? path.transmissions : path.reflections);
       if (is_transmitted && (columns_.dielectrics >> lane & 1))
-        path.media.cross(columns_.materials[lane], columns_.is_front >> lane & 1);
+        path.media.cross(columns_.surfaces.material[lane], columns_.surfaces.is_front(lane));
     }
     const auto count = [](LaneSet set) { return static_cast<size_t>(std::popcount(set)); };
     counts_[RayKind::transmitted] += count(step.is_transmitted);
@@ -139,7 +145,7 @@ class PathTracer {
   }
 
   /// Adds what the path finds where it hits, and turns `ray` into what follows. False: the path ends.
-  bool visit(Path& path, Ray& ray, const Hit& hit) {
+  bool visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
     if (!hit.is_hit()) {
       Color light = path.throughput * eval_background(scene_, ray.direction);
       if (path.pdf > 0 && scene_.head().environment != kNone)
@@ -149,7 +155,6 @@ class PathTracer {
       return false;
     }
     if (path.depth == 1) ++eye_hits_;
-    Surface surface = eval_surface(scene_, pose_, ray, hit);
     path.width += hit.t * path.spread;
     Material with_texture;
     const Material* chosen = &scene_.materials[surface.material];

@@ -7,15 +7,17 @@
 namespace rayfarm {
 
 void PathColumns::clear_sets() {
-  is_front = substrates = polished = conductors = dielectrics = classical = can_reflect = can_transmit = 0;
+  substrates = polished = conductors = dielectrics = classical = can_reflect = can_transmit = 0;
 }
 
-bool PathColumns::set_surface(const Scene& scene, size_t lane, const Surface& surface, const Media& media) {
-  const Material& material = scene.materials[surface.material];
+bool PathColumns::set_material(const Scene& scene, size_t lane, const Media& media) {
+  const uint32_t number = surfaces.material[lane];
+  const Material& material = scene.materials[number];
+  const bool is_front = surfaces.is_front(lane);
   if (is_textured(material) || is_luminaire(material) || !has_diffuse_rays(material)) return false;
   if (material.exponent > 0 && material.kind != MaterialKind::lambertian) return false;
   const LaneSet bit = LaneSet{1} << lane;
-  index_ratio[lane] = surface.is_front ? material.index : 1 / material.index;
+  index_ratio[lane] = is_front ? material.index : 1 / material.index;
   const auto set_substrate = [&](const Color& color) {
     set_lane(substrate, lane, color);
     substrates |= bit;
@@ -44,7 +46,7 @@ bool PathColumns::set_surface(const Scene& scene, size_t lane, const Surface& su
       set_lane(k, lane, material.k);
       break;
     case MaterialKind::dielectric: {
-      const Media::Crossing crossing = media.meet(scene, surface.material, surface.is_front);
+      const Media::Crossing crossing = media.meet(scene, number, is_front);
       if (!crossing.is_real) return false;
       dielectrics |= bit;
       index_ratio[lane] = crossing.index_ratio;
@@ -55,12 +57,6 @@ bool PathColumns::set_surface(const Scene& scene, size_t lane, const Surface& su
     case MaterialKind::mix:
       return false;
   }
-  set_lane(p, lane, surface.p);
-  set_lane(geometric_normal, lane, surface.geometric_normal);
-  set_lane(shading_normal, lane, surface.shading_normal);
-  offset[lane] = surface.offset;
-  materials[lane] = surface.material;
-  if (surface.is_front) is_front |= bit;
   return true;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // A packet of paths as structure of arrays: what a step in lanes works on.
 #include "common/lighting/media.h"
-#include "common/math/ray_packet.h"
+#include "common/lighting/surfaces.h"
 
 namespace rayfarm {
 
@@ -20,11 +20,7 @@ struct alignas(64) PathColumns {
   uint32_t reversed_samples[kMostPacketRays];  ///< the samples' numbers with their bits reversed
   uint32_t places[kMostPacketRays];            ///< of the eye rays
 
-  // Of the surface that it meets.
-  VectorLanes p, geometric_normal, shading_normal;
-  double offset[kMostPacketRays];
-  alignas(64) uint32_t materials[kMostPacketRays];  ///< which of the scene's
-
+  Surfaces surfaces;  ///< that they meet
   // Of the material there. Lanes outside the sets are never read.
   alignas(
       64) double index_ratio[kMostPacketRays];  ///< behind the surface over before it; of a polish over air
@@ -33,13 +29,12 @@ struct alignas(64) PathColumns {
   double reflect[kMostPacketRays], transmit[kMostPacketRays];  ///< of classical surfaces
   VectorLanes through;                                         ///< what classical surfaces transmit
   LaneSet substrates, polished, conductors, dielectrics, classical;
-  LaneSet is_front;
   LaneSet can_reflect, can_transmit;  ///< not yet as often as is allowed
 
   void clear_sets();
-  /// Describes what the ray of a lane meets. False, with nothing set, if that is not for a step in lanes: it
-  /// has a texture or spread highlights, shines, or is of another family.
-  bool set_surface(const Scene& scene, size_t lane, const Surface& surface, const Media& media);
+  /// Describes what a lane's surface is made of. False, with nothing set, if that is not for a step in lanes:
+  /// it has a texture or spread highlights, shines, or is of another family.
+  bool set_material(const Scene& scene, size_t lane, const Media& media);
   /// Leaves the paths of these lanes, close together; their rays go as far as they can.
   void keep(LaneSet lanes);
 };

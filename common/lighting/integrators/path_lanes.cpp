@@ -45,11 +45,12 @@ class LanesStep {
   HWY_INLINE PathStep run() {
     PathStep result;
     to_viewer_ = -load3(paths_.rays.directions, lane_);
-    p_ = load3(paths_.p, lane_);
-    geometric_normal_ = load3(paths_.geometric_normal, lane_);
-    const Real3 shading_normal = load3(paths_.shading_normal, lane_);
+    // Where there is no ray, any point: none that costs more than others.
+    p_ = select(truth_of(bits_), load3(paths_.surfaces.p, lane_), all(zero_));
+    geometric_normal_ = load3(paths_.surfaces.geometric_normal, lane_);
+    const Real3 shading_normal = load3(paths_.surfaces.shading_normal, lane_);
     normal_ = select(dot(to_viewer_, shading_normal) > zero_, shading_normal, geometric_normal_);
-    offset_ = load(paths_.offset);
+    offset_ = load(paths_.surfaces.offset);
     throughput_ = load3(paths_.throughput, lane_);
 
     const RealLobes lobes = scatter();
@@ -101,7 +102,8 @@ class LanesStep {
     lobes.is_mirror_first = hn::Or(polished, dielectrics);
     lobes.through = lobes.mirror = all(zero_);
     if (is_any(paths_.polished | paths_.dielectrics | paths_.conductors | paths_.classical)) {
-      const Real cosine = dot(normal_, to_viewer_), index_ratio = load(paths_.index_ratio);
+      const Real cosine = dot(normal_, to_viewer_),
+                 index_ratio = select(truth_of(bits_), load(paths_.index_ratio), real(1));
       Truth is_total = hn::FirstN(RealTag(), 0);
       if (is_any(paths_.dielectrics | paths_.classical)) {
         lobes.through = refracted(to_viewer_, normal_, index_ratio, is_total);
@@ -191,7 +193,7 @@ class LanesStep {
     for (; lanes != 0; lanes &= lanes - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(lanes));
       const LightSample sample = sample_light(scene_, pose_, scene_.lights[sources[i]],
-                                              lane_of(paths_.p, lane_ + i), Vec2(x[i], y[i]));
+                                              lane_of(paths_.surfaces.p, lane_ + i), Vec2(x[i], y[i]));
       set_lane(to_light, i, sample.to_light);
       set_lane(target, i, sample.target);
       set_lane(incident, i, sample.incident);
