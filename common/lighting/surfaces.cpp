@@ -40,10 +40,6 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-HWY_INLINE Real max_magnitude(const Real3& v) {
-  return hn::Max(hn::Abs(v.x), hn::Max(hn::Abs(v.y), hn::Abs(v.z)));
-}
-
 /// The lanes of a vector: those of a packet from `first` on.
 struct SomeLanes {
   size_t first;

@@ -89,6 +89,9 @@ HWY_INLINE Real dot(const Real3& a, const Real3& b) {
 HWY_INLINE Real3 cross(const Real3& a, const Real3& b) {
   return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
 }
+HWY_INLINE Real max_magnitude(const Real3& v) {
+  return hn::Max(hn::Max(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z));
+}
 /// The lanes from `lane` on of three columns.
 HWY_INLINE Real3 load3(const RealColumn* columns, size_t lane) {
   const RealTag d;
