@@ -1,9 +1,7 @@
 #include "protocol/mpi_session.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <mpi.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 #include <mutex>
 #include <vector>
 
+#include "protocol/shared_memory.h"
 #include "protocol/time_limits.h"
 
 namespace rayfarm {
@@ -152,10 +151,7 @@ class WindowBlock : public SharedBlock {
 
 class PrivateBlock : public SharedBlock {
  public:
-  explicit PrivateBlock(size_t size)
-      : size_(size), data_(static_cast<std::byte*>(std::aligned_alloc(64, size)), &std::free) {
-    if (!data_) throw std::bad_alloc();
-  }
+  explicit PrivateBlock(size_t size) : size_(size), data_(allocate_pages(size), &std::free) {}
   std::span<const std::byte> bytes() const override { return {data_.get(), size_}; }
   std::byte* data() { return data_.get(); }
 
@@ -163,30 +159,6 @@ class PrivateBlock : public SharedBlock {
   size_t size_;
   std::unique_ptr<std::byte, decltype(&std::free)> data_;
 };
-
-/// MPI itself keeps buffers in shared memory.
-constexpr uint64_t kSpareSharedMemory = 16 << 20;
-
-bool shared_memory_seems_to_hold(uint64_t bytes) {
-  struct statvfs info {};
-  if (statvfs("/dev/shm", &info) != 0) return false;
-  return uint64_t{info.f_bavail} * info.f_frsize >= bytes + kSpareSharedMemory;
-}
-
-/// Takes all pages of shared memory now, so that none is missing when it is written: that would end the
-/// process with SIGBUS. The kernel writes them, and reports what a write of ours could not survive.
-bool claim(std::byte* memory, size_t bytes) {
-  const int zeros = open("/dev/zero", O_RDONLY | O_CLOEXEC);
-  if (zeros < 0) return false;
-  size_t done = 0;
-  while (done < bytes) {
-    const ssize_t n = read(zeros, memory + done, std::min<size_t>(bytes - done, 64 << 20));
-    if (n <= 0 && errno != EINTR) break;
-    if (n > 0) done += static_cast<size_t>(n);
-  }
-  close(zeros);
-  return done == bytes;
-}
 
 }  // namespace
 
@@ -314,7 +286,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
       return MPI_Win_allocate_shared(machine_rank == 0 ? static_cast<MPI_Aint>(window_bytes) : 0, 1,
                                      MPI_INFO_NULL, machine, &own, &window);
     });
-    is_shared = agree(machine_rank != 0 || claim(own, window_bytes));
+    is_shared = agree(machine_rank != 0 || claim_shared_memory(own, window_bytes));
     if (is_shared) {
       MPI_Aint window_size = 0;
       int unit = 1;

@@ -7,7 +7,7 @@ namespace rayfarm {
 namespace {
 
 template <ArrayName name, typename T>
-void append(std::vector<T>& array, std::span<const T> more, const ArrayOffsets& offsets) {
+void append(GrowingArray<T>& array, std::span<const T> more, const ArrayOffsets& offsets) {
   const size_t before = array.size();
   array.insert(array.end(), more.begin(), more.end());
   for (size_t i = before; i < array.size(); ++i) shift_element<name>(array[i], offsets);

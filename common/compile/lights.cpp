@@ -9,7 +9,7 @@
 namespace rayfarm {
 
 void add_listed_lights(SceneArrays<GrowingArray>& arrays, const SceneDescription& description) {
-  arrays.lights = description.lights;
+  arrays.lights.assign(description.lights.begin(), description.lights.end());
   for (const DiagramDescription& diagram : description.diagrams) {
     arrays.goniometric_diagrams.push_back(diagram);
     arrays.goniometric_diagrams.back().first_value = static_cast<uint32_t>(arrays.goniometric_values.size());
@@ -57,9 +57,12 @@ void weigh_lights(SceneArrays<GrowingArray>& arrays) {
   for (const InstancePose& pose : arrays.poses) bounds.grow(pose.bounds);
   SceneHeader& head = arrays.header[0];
   head.far_away = distance_out_of(bounds);
-  if (head.environment != kNone)
-    arrays.environment_shares = make_environment_shares(arrays.textures[head.environment], arrays.texels);
-  arrays.light_shares = make_light_shares(light_powers(view_of(arrays)), light_radius(bounds));
+  if (head.environment != kNone) {
+    const auto shares = make_environment_shares(arrays.textures[head.environment], arrays.texels);
+    arrays.environment_shares.assign(shares.begin(), shares.end());
+  }
+  const auto shares = make_light_shares(light_powers(view_of(arrays)), light_radius(bounds));
+  arrays.light_shares.assign(shares.begin(), shares.end());
 }
 
 }  // namespace rayfarm

@@ -25,9 +25,9 @@ class Luminaires {
 
   /// What was added since the last call, by id.
   std::vector<Luminous> take();
-  const std::vector<LuminaireTriangle>& triangles() const { return triangles_; }
+  const LargeVector<LuminaireTriangle>& triangles() const { return triangles_; }
   /// Those so far, and others behind them that were found before.
-  void take_over(std::vector<LuminaireTriangle> triangles) { triangles_ = std::move(triangles); }
+  void take_over(LargeVector<LuminaireTriangle> triangles) { triangles_ = std::move(triangles); }
 
   /// Says what shines and is no lamp.
   void add_notes(const SceneDescription& description, Notes& notes) const;
@@ -44,7 +44,7 @@ class Luminaires {
   void finish(const Luminous& luminous);
 
   std::vector<Luminous> luminous_;
-  std::vector<LuminaireTriangle> triangles_;
+  LargeVector<LuminaireTriangle> triangles_;
   Others quadrics_, polygons_;
 };
 

@@ -24,7 +24,7 @@ bool is_planar(const Vec3& normal, std::span<const TriangleVertices> triangles) 
 /// The vertices that the faces of one mesh use, as they enter the scene.
 class SharedPoints {
  public:
-  SharedPoints(std::span<const glm::vec3> positions, std::vector<glm::vec3>& points)
+  SharedPoints(std::span<const glm::vec3> positions, LargeVector<glm::vec3>& points)
       : positions_(positions), points_(points), place_of_(positions.size(), kNone) {}
   uint32_t place_of(uint32_t position) {
     uint32_t& place = place_of_[position];
@@ -37,7 +37,7 @@ class SharedPoints {
 
  private:
   std::span<const glm::vec3> positions_;
-  std::vector<glm::vec3>& points_;
+  LargeVector<glm::vec3>& points_;
   std::vector<uint32_t> place_of_;
 };
 

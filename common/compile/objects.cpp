@@ -128,7 +128,7 @@ void build_object_part(SceneArrays<GrowingArray>& arrays, const SceneDescription
   } catch (const std::domain_error& e) {
     throw InputError({description.files.at(0)}, fmt::format("at frame {}: {}", frame, e.what()));
   }
-  const auto build = [&](std::span<const uint32_t> instances, std::vector<VolumeNode>& nodes) {
+  const auto build = [&](std::span<const uint32_t> instances, LargeVector<VolumeNode>& nodes) {
     const LeafMaker make_leaf = [&](std::span<const PrimitiveReference> references) {
       const auto first = static_cast<uint32_t>(arrays.leaf_instances.size());
       for (const PrimitiveReference& r : references) arrays.leaf_instances.push_back(instances[r.primitive]);

@@ -90,8 +90,7 @@ PartFile read_part_file(const std::string& path, const std::stop_token& stop) {
                         head.block_bytes + sizeof head));
   PartFile result;
   result.block.size = head.block_bytes;
-  result.block.data.reset(static_cast<std::byte*>(std::aligned_alloc(64, (head.block_bytes + 63) / 64 * 64)));
-  if (!result.block.data) throw std::bad_alloc();
+  result.block.data.reset(static_cast<std::byte*>(allocate_large(head.block_bytes)));
   constexpr size_t kPiece = 16 << 20;
   for (size_t at = 0; at < result.block.size; at += kPiece) {
     throw_if_stopped(stop);

@@ -14,6 +14,7 @@
 #include "common/errors/notes.h"
 #include "common/errors/stop.h"
 #include "common/materials/material.h"
+#include "common/memory/large_vector.h"
 #include "common/scene/animation.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/light.h"
@@ -119,22 +120,22 @@ struct PolygonShape {
 };
 /// A mesh's polygons of more than three corners, one after the other: counter-clockwise seen from outside.
 struct MeshPolygons {
-  std::vector<uint32_t> sides;      ///< of each polygon
-  std::vector<uint32_t> corners;    ///< of all: indices into positions
-  std::vector<uint32_t> normals;    ///< empty, or one per corner: indices into normals, ~0 for none
-  std::vector<uint32_t> uvs;        ///< empty, or one per corner: indices into uvs
-  std::vector<uint32_t> materials;  ///< empty, or one per polygon
+  LargeVector<uint32_t> sides;      ///< of each polygon
+  LargeVector<uint32_t> corners;    ///< of all: indices into positions
+  LargeVector<uint32_t> normals;    ///< empty, or one per corner: indices into normals, ~0 for none
+  LargeVector<uint32_t> uvs;        ///< empty, or one per corner: indices into uvs
+  LargeVector<uint32_t> materials;  ///< empty, or one per polygon
 };
 /// Polygons over shared vertices. Positions are float, as stored in the scene block.
 struct MeshShape {
-  std::vector<glm::vec3> positions, normals;
+  LargeVector<glm::vec3> positions, normals;
   MeshPolygons polygons;
-  std::vector<glm::uvec3> triangles;  ///< indices into positions
+  LargeVector<glm::uvec3> triangles;  ///< indices into positions
   /// Empty, or one per triangle: indices into normals, ~0 for none.
-  std::vector<glm::uvec3> triangle_normals;
-  std::vector<uint32_t> materials;  ///< empty, or one per triangle
-  std::vector<glm::vec2> uvs;
-  std::vector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
+  LargeVector<glm::uvec3> triangle_normals;
+  LargeVector<uint32_t> materials;  ///< empty, or one per triangle
+  LargeVector<glm::vec2> uvs;
+  LargeVector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
   Smoothing smoothing = Smoothing::flat;
 };
 using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PolygonShape, MeshShape>;

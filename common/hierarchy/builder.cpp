@@ -9,9 +9,9 @@ PrimitiveReference make_reference(uint32_t primitive, const Box& box) {
 }
 
 ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
-                         const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes) {
+                         const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes) {
   if (source.size() == 0) return {};
-  std::vector<PrimitiveReference> references(source.size());
+  LargeVector<PrimitiveReference> references(source.size());
   for (uint32_t i = 0; i < references.size(); ++i) {
     if (i % (1 << 16) == 0) throw_if_stopped(options.stop);
     references[i] = make_reference(i, source.bounds(i));

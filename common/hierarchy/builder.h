@@ -6,9 +6,9 @@
 #include <atomic>
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "common/errors/stop.h"
+#include "common/memory/large_vector.h"
 #include "common/scene/hierarchy_records.h"
 
 namespace rayfarm {
@@ -61,13 +61,13 @@ using LeafMaker = std::function<ChildRef(std::span<const PrimitiveReference>)>;
 /// threads; the result does not depend on how many there are. Throws Stopped, and what `source` and
 /// `make_leaf` throw.
 ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
-                         const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes);
+                         const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes);
 
 /// The two rules for volumes (sah_builder.cpp, thesis_builder.cpp). `references` is not empty.
-ChildRef build_sah(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
-                   const BuildOptions& options, const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes);
-ChildRef build_thesis(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
+ChildRef build_sah(LargeVector<PrimitiveReference> references, const PrimitiveSource& source,
+                   const BuildOptions& options, const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes);
+ChildRef build_thesis(LargeVector<PrimitiveReference> references, const PrimitiveSource& source,
                       const BuildOptions& options, const LeafMaker& make_leaf,
-                      std::vector<VolumeNode>& nodes);
+                      LargeVector<VolumeNode>& nodes);
 
 }  // namespace rayfarm

@@ -12,7 +12,7 @@ constexpr uint32_t kReferencesPerLook = 1 << 12;
 
 class Splitter {
  public:
-  Splitter(std::vector<PrimitiveReference>& references, const PrimitiveSource& source,
+  Splitter(LargeVector<PrimitiveReference>& references, const PrimitiveSource& source,
            const std::stop_token& stop)
       : references_(references), source_(source), stop_(stop) {
     for (const PrimitiveReference& r : references_) whole_.grow(r.box());
@@ -78,7 +78,7 @@ class Splitter {
     return Candidate{box.area() - low.area() - high.area(), reference, low, high};
   }
 
-  std::vector<PrimitiveReference>& references_;
+  LargeVector<PrimitiveReference>& references_;
   const PrimitiveSource& source_;
   const std::stop_token& stop_;
   Box whole_;
@@ -86,7 +86,7 @@ class Splitter {
 
 }  // namespace
 
-void clip_large(std::vector<PrimitiveReference>& references, const PrimitiveSource& source,
+void clip_large(LargeVector<PrimitiveReference>& references, const PrimitiveSource& source,
                 const std::stop_token& stop) {
   Splitter(references, source, stop).run();
 }

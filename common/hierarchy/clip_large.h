@@ -1,6 +1,4 @@
 #pragma once
-#include <vector>
-
 #include "common/hierarchy/builder.h"
 
 namespace rayfarm {
@@ -9,7 +7,7 @@ namespace rayfarm {
 /// built (Karras, Aila 2013, section 4): each at the most important of the planes that halve the scene's box
 /// again and again.
 /// Each piece is a reference of its own. Throws Stopped.
-void clip_large(std::vector<PrimitiveReference>& references, const PrimitiveSource& source,
+void clip_large(LargeVector<PrimitiveReference>& references, const PrimitiveSource& source,
                 const std::stop_token& stop);
 
 }  // namespace rayfarm

@@ -75,7 +75,7 @@ class FrameState {
   Scene scene_;
   bool has_moving_lights_;
   std::vector<InstancePose> moving_;
-  std::vector<VolumeNode> moving_nodes_;
+  LargeVector<VolumeNode> moving_nodes_;
   std::vector<LightPlace> light_places_;
 };
 

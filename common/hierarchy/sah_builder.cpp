@@ -64,10 +64,10 @@ struct BinaryNode {
 
 class SahBuilder {
  public:
-  SahBuilder(std::vector<PrimitiveReference> references, const BuildOptions& options,
-             const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes)
+  SahBuilder(LargeVector<PrimitiveReference> references, const BuildOptions& options,
+             const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes)
       : references_(std::move(references)),
-        binary_(new BinaryNode[2 * references_.size() - 1]),
+        binary_(static_cast<BinaryNode*>(allocate_large((2 * references_.size() - 1) * sizeof(BinaryNode)))),
         most_in_leaf_(options.max_primitives),
         make_leaf_(make_leaf),
         nodes_(nodes),
@@ -321,19 +321,22 @@ class SahBuilder {
     return make_child(ChildKind::inner, result);
   }
 
-  std::vector<PrimitiveReference> references_;
-  std::unique_ptr<BinaryNode[]> binary_;
+  LargeVector<PrimitiveReference> references_;
+  struct Free {
+    void operator()(BinaryNode* nodes) const { free_large(nodes); }
+  };
+  std::unique_ptr<BinaryNode[], Free> binary_;
   size_t most_in_leaf_;
   const LeafMaker& make_leaf_;
-  std::vector<VolumeNode>& nodes_;
+  LargeVector<VolumeNode>& nodes_;
   BuildProgress* progress_;
   std::stop_token stop_;
 };
 
 }  // namespace
 
-ChildRef build_sah(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
-                   const BuildOptions& options, const LeafMaker& make_leaf, std::vector<VolumeNode>& nodes) {
+ChildRef build_sah(LargeVector<PrimitiveReference> references, const PrimitiveSource& source,
+                   const BuildOptions& options, const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes) {
   clip_large(references, source, options.stop);
   if (options.progress) options.progress->total += references.size() - source.size();
   return SahBuilder(std::move(references), options, make_leaf, nodes).build();

@@ -8,10 +8,10 @@ namespace rayfarm {
 
 /// The growing arrays that leaves are packed into.
 struct LeafArrays {
-  std::vector<VolumeNode>& nodes;
-  std::vector<TriangleBlock>& triangle_blocks;
-  std::vector<SphereBlock>& sphere_blocks;
-  std::vector<PrimitiveId>& leaf_primitives;
+  LargeVector<VolumeNode>& nodes;
+  LargeVector<TriangleBlock>& triangle_blocks;
+  LargeVector<SphereBlock>& sphere_blocks;
+  LargeVector<PrimitiveId>& leaf_primitives;
 };
 
 /// A triangle's three vertices as they are stored and tested.
@@ -20,9 +20,9 @@ using TriangleVertices = std::array<glm::vec3, 3>;
 /// The primitives of one part in one numbering: what the builder's references mean. A polygon that was cut
 /// into triangles stands here once for each of them.
 struct PartPrimitives {
-  std::vector<PrimitiveId> ids;
-  std::vector<uint32_t> triangle_of;  ///< index into triangles, kNone for what is tested as it is
-  std::vector<TriangleVertices> triangles;
+  LargeVector<PrimitiveId> ids;
+  LargeVector<uint32_t> triangle_of;  ///< index into triangles, kNone for what is tested as it is
+  LargeVector<TriangleVertices> triangles;
 
   void add(PrimitiveId id) {
     ids.push_back(id);

@@ -19,10 +19,10 @@ Box box_of(std::span<const PrimitiveReference> references) {
 class ThesisBuilder {
  public:
   ThesisBuilder(const PrimitiveSource& source, const BuildOptions& options, const LeafMaker& make_leaf,
-                std::vector<VolumeNode>& nodes)
+                LargeVector<VolumeNode>& nodes)
       : source_(source), options_(options), make_leaf_(make_leaf), nodes_(nodes) {}
 
-  ChildRef build(std::vector<PrimitiveReference> references, int depth) {
+  ChildRef build(LargeVector<PrimitiveReference> references, int depth) {
     throw_if_stopped(options_.stop);
     Octants octants;
     // Where all centres coincide there is no split.
@@ -30,12 +30,12 @@ class ThesisBuilder {
       if (options_.progress) options_.progress->done += references.size();
       return make_leaf_(references);
     }
-    std::vector<PrimitiveReference>().swap(references);
+    LargeVector<PrimitiveReference>().swap(references);
 
     const auto index = static_cast<uint32_t>(nodes_.size());
     nodes_.push_back(make_empty_node());
     size_t slot = 0;
-    for (std::vector<PrimitiveReference>& octant : octants) {
+    for (LargeVector<PrimitiveReference>& octant : octants) {
       if (octant.empty()) continue;
       const Box box = box_of(octant);
       const ChildRef child = build(std::move(octant), depth + 1);
@@ -45,9 +45,9 @@ class ThesisBuilder {
   }
 
  private:
-  using Octants = std::array<std::vector<PrimitiveReference>, 8>;
+  using Octants = std::array<LargeVector<PrimitiveReference>, 8>;
 
-  bool split(const std::vector<PrimitiveReference>& references, Octants& octants) const {
+  bool split(const LargeVector<PrimitiveReference>& references, Octants& octants) const {
     Vec3 center(0);
     for (const PrimitiveReference& r : references) center += r.box().center();
     center /= static_cast<double>(references.size());
@@ -55,7 +55,7 @@ class ThesisBuilder {
            split_by_centers(references, center, octants);
   }
 
-  bool split_clipping(const std::vector<PrimitiveReference>& references, const Box& data, const Vec3& center,
+  bool split_clipping(const LargeVector<PrimitiveReference>& references, const Box& data, const Vec3& center,
                       Octants& octants) const {
     const auto most = static_cast<size_t>(kMostGrowth * static_cast<double>(references.size()));
     size_t total = 0, largest = 0;
@@ -91,7 +91,7 @@ class ThesisBuilder {
     return false;
   }
 
-  static bool split_by_centers(const std::vector<PrimitiveReference>& references, const Vec3& center,
+  static bool split_by_centers(const LargeVector<PrimitiveReference>& references, const Vec3& center,
                                Octants& octants) {
     size_t largest = 0;
     for (const PrimitiveReference& r : references) {
@@ -107,14 +107,14 @@ class ThesisBuilder {
   const PrimitiveSource& source_;
   const BuildOptions& options_;
   const LeafMaker& make_leaf_;
-  std::vector<VolumeNode>& nodes_;
+  LargeVector<VolumeNode>& nodes_;
 };
 
 }  // namespace
 
-ChildRef build_thesis(std::vector<PrimitiveReference> references, const PrimitiveSource& source,
+ChildRef build_thesis(LargeVector<PrimitiveReference> references, const PrimitiveSource& source,
                       const BuildOptions& options, const LeafMaker& make_leaf,
-                      std::vector<VolumeNode>& nodes) {
+                      LargeVector<VolumeNode>& nodes) {
   return ThesisBuilder(source, options, make_leaf, nodes).build(std::move(references), 0);
 }
 

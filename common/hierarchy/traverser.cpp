@@ -21,6 +21,7 @@ Hit find_closest(const Scene& scene, const Pose& pose, const Ray& ray) {
   hit.t = ray.t_max;
   ClosestHit search(scene, hit);
   search_for_one(scene, pose, PreparedRay(ray), search);
+  search.finish();
   return hit;
 }
 
@@ -37,6 +38,7 @@ void find_closest_of_packet(const Scene& scene, const Pose& pose, const RayPacke
     searches[i] = ClosestHit(scene, hits[i]);
   }
   search_for_packet(scene, pose, rays, searches.data());
+  for (size_t i = 0; i < rays.size(); ++i) searches[i].finish();
 }
 
 uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacket& rays) {
@@ -60,6 +62,7 @@ Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ra
     SingleWalker walker(local, search);
     walk_list(scene.parts[scene.instances[i].part], i, walker);
   }
+  search.finish();
   return hit;
 }
 

@@ -151,9 +151,8 @@ HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, Walker
   typename Walker::RaySets rays_of;
   const auto child_of = [](const VolumeNode& node, size_t slot)
                             HWY_ATTR { return std::bit_cast<uint64_t>(node.children[slot]); };
+  const BoxTest test_boxes(walker.box_ray());
   while (true) {
-    // Here, so that a visit to a leaf need not save and restore its registers.
-    const BoxTest test_boxes(walker.box_ray());
     while (std::bit_cast<ChildRef>(current).kind() == ChildKind::inner) {
       const VolumeNode& node = nodes[std::bit_cast<ChildRef>(current).first];
       if constexpr (Walker::kCounts) walker.count(node);

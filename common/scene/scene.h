@@ -8,6 +8,7 @@
 
 #include "common/materials/material.h"
 #include "common/math/affine.h"
+#include "common/memory/large_vector.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/hierarchy_records.h"
 #include "common/scene/light.h"
@@ -119,7 +120,7 @@ struct SceneArrays {
 template <typename T>
 using ArrayView = std::span<const T>;
 template <typename T>
-using GrowingArray = std::vector<T>;
+using GrowingArray = LargeVector<T>;
 
 /// A view of the block.
 struct Scene : SceneArrays<ArrayView> {

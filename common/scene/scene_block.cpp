@@ -71,8 +71,7 @@ SceneBlock encode_scene(const Scene& scene) {
   const Prefix prefix{kMagic, aligned(end + table_bytes.size()), end, table_bytes.size()};
   SceneBlock block;
   block.size = prefix.total_bytes;
-  block.data.reset(static_cast<std::byte*>(std::aligned_alloc(kAlignment, block.size)));
-  if (!block.data) throw std::bad_alloc();
+  block.data.reset(static_cast<std::byte*>(allocate_large(block.size)));
   std::memset(block.data.get(), 0, block.size);  // gaps too: equal scenes are equal bytes
   std::memcpy(block.data.get(), &prefix, sizeof prefix);
   size_t i = 0;

@@ -288,7 +288,7 @@ TEST(SceneBlock, TreesAreNoDeeperThanATraverserCanGoAndNoNodeHasTwoParents) {
   ASSERT_TRUE(compiled.scene.nodes.empty());
   // The part's one leaf below a chain of nodes, each of which leads to the next `ways` times.
   const auto encode_chain = [&](uint32_t count, size_t ways) {
-    std::vector<VolumeNode> nodes(count, make_empty_node());
+    LargeVector<VolumeNode> nodes(count, make_empty_node());
     Part part = compiled.scene.parts[0];
     for (uint32_t i = 0; i < count; ++i)
       for (size_t slot = 0; slot < (i + 1 < count ? ways : 1); ++slot)

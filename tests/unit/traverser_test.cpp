@@ -321,8 +321,8 @@ TEST(Traverser, NoRayLeaksThroughTheEdgesOfAClosedMesh) {
       mesh.triangles.emplace_back(at(i, j), at(i + 1, j), at(i, j + 1));
       mesh.triangles.emplace_back(at(i, j + 1), at(i + 1, j), at(i + 1, j + 1));
     }
-  const std::vector<glm::vec3> positions = mesh.positions;
-  const std::vector<glm::uvec3> triangles = mesh.triangles;
+  const LargeVector<glm::vec3> positions = mesh.positions;
+  const LargeVector<glm::uvec3> triangles = mesh.triangles;
   scene.objects[0].primitives.push_back({mesh, 0, {}});
   const CompiledScene compiled = compile(scene);
   ASSERT_EQ(compiled.notes.lines().size(), 1u);

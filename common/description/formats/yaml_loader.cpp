@@ -197,7 +197,7 @@ class Loader {
   /// A mesh whose file gives every face a material needs none.
   void note_idle_material(const YamlValue& value, uint32_t material, uint32_t object) {
     const auto& mesh = std::get<MeshShape>(scene_.objects[object].primitives.back().shape);
-    const auto has = [&](const std::vector<uint32_t>& materials) {
+    const auto has = [&](std::span<const uint32_t> materials) {
       return std::find(materials.begin(), materials.end(), material) != materials.end();
     };
     if (!has(mesh.materials) && !has(mesh.polygons.materials))
