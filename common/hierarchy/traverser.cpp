@@ -38,7 +38,7 @@ void find_closest_of_packet(const Scene& scene, const Pose& pose, const RayPacke
     searches[i] = ClosestHit(scene, hits[i]);
   }
   search_for_packet(scene, pose, rays, searches.data());
-  for (size_t i = 0; i < rays.size(); ++i) searches[i].finish();
+  for (size_t i = 0; i < rays.size; ++i) searches[i].finish();
 }
 
 uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacket& rays) {
