@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include <bit>
+#include <cmath>
 #include <optional>
 
 #include "common/hierarchy/rays-inl.h"
@@ -26,21 +27,31 @@ using Vertices = std::array<std::array<std::array<Number, 8>, 3>, 3>;
 
 HWY_INLINE void convert(const Vertices<float>& from, Vertices<double>& to) {
   const DoubleTag d;
-  const HalfFloatTag f;
+  const hn::Rebind<float, DoubleTag> f;
   for (size_t vertex = 0; vertex < 3; ++vertex)
     for (size_t axis = 0; axis < 3; ++axis)
       for (size_t lane = 0; lane < 8; lane += hn::Lanes(d))
         hn::Store(hn::PromoteTo(d, hn::Load(f, &from[vertex][axis][lane])), d, &to[vertex][axis][lane]);
 }
 
-/// Bits of the lanes in which the ray meets a triangle at 0 < t <= t_max, with t and the barycentric weights
-/// times a common factor. The vertices may have been converted before, for several rays.
+/// What a ray and a block's triangles have in common, where the ray's line meets them.
+struct TriangleCrossings {
+  HWY_ALIGN double u[8], v[8], w[8];  ///< barycentric weights times a common factor
+  HWY_ALIGN double scaled_t[8];       ///< the distance times the same
+
+  /// Infinite or NaN where the triangle is seen edge-on.
+  double t(size_t lane) const { return scaled_t[lane] / (u[lane] + v[lane] + w[lane]); }
+};
+
+/// Bits of the lanes in which the ray's line meets a triangle. The distances are divided one by one, as they
+/// are asked for: seldom more than one triangle is met, and eight quotients take three times as long as one.
+/// The vertices may have been converted before, for several rays. One ray's test is over sooner in halves: it
+/// waits for results more than for a free unit.
 template <typename Number>
-HWY_INLINE uint32_t test_triangles(const Vertices<Number>& vertices, const PrimitiveRay& ray, double t_max,
-                                   double* HWY_RESTRICT out_t, double* HWY_RESTRICT out_u,
-                                   double* HWY_RESTRICT out_v, double* HWY_RESTRICT out_w) {
-  const DoubleTag d;
-  [[maybe_unused]] const HalfFloatTag f;
+HWY_INLINE uint32_t cross_triangles(const Vertices<Number>& vertices, const PrimitiveRay& ray,
+                                    TriangleCrossings& crossings) {
+  const hn::CappedTag<double, std::is_same_v<Number, float> ? 4 : 8> d;
+  [[maybe_unused]] const hn::Rebind<float, decltype(d)> f;
   const auto zero = hn::Zero(d);
   uint32_t mask = 0;
   for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
@@ -63,35 +74,47 @@ HWY_INLINE uint32_t test_triangles(const Vertices<Number>& vertices, const Primi
     const auto u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
     const auto v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
     const auto w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-    const auto none_negative = hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, zero)), hn::Ge(w, zero));
-    const auto none_positive = hn::And(hn::And(hn::Le(u, zero), hn::Le(v, zero)), hn::Le(w, zero));
+    // Where one is NaN, so is t.
+    const auto none_negative = hn::Ge(hn::Min(hn::Min(u, v), w), zero);
+    const auto none_positive = hn::Le(hn::Max(hn::Max(u, v), w), zero);
     const auto inside = hn::Or(none_negative, none_positive);
     if (hn::AllFalse(d, inside)) continue;
-    const auto determinant = hn::Add(hn::Add(u, v), w);
     const auto scaled_t =
         hn::Mul(hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz)), hn::Set(d, ray.shear_z));
-    const auto t = hn::Div(scaled_t, determinant);
-    const auto in_range = hn::And(hn::Gt(t, zero), hn::Le(t, hn::Set(d, t_max)));
-    const auto accepted = hn::And(hn::And(inside, in_range), hn::Ne(determinant, zero));
-    if (hn::AllFalse(d, accepted)) continue;
-    hn::Store(t, d, out_t + lane);
-    hn::Store(u, d, out_u + lane);
-    hn::Store(v, d, out_v + lane);
-    hn::Store(w, d, out_w + lane);
-    mask |= bits_of(d, accepted) << lane;
+    hn::Store(u, d, crossings.u + lane);
+    hn::Store(v, d, crossings.v + lane);
+    hn::Store(w, d, crossings.w + lane);
+    hn::Store(scaled_t, d, crossings.scaled_t + lane);
+    mask |= bits_of(d, inside) << lane;
   }
   return mask;
 }
 
-/// Bits of the lanes in which the ray meets a sphere at 0 < t <= t_max, with the smallest such t.
-HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PrimitiveRay& ray, double t_max,
-                                 double* HWY_RESTRICT out_t) {
-  const DoubleTag d;
-  const auto zero = hn::Zero(d);
+/// Where a ray's line enters spheres: roots of the quadratic equation of t.
+struct SphereCrossings {
+  double a;
+  HWY_ALIGN double b[8], c[8], discriminant[8];
+
+  /// The smallest t > 0, if there is one.
+  double t(size_t lane) const {
+    const bool is_approaching = b[lane] < 0;
+    const double root = std::sqrt(discriminant[lane] * a);
+    const double q = (is_approaching ? root : -root) - b[lane];
+    const double first = is_approaching ? c[lane] / q : q / a;
+    return first > 0 ? first : is_approaching ? q / a : c[lane] / q;
+  }
+};
+
+/// Bits of the lanes in which the ray's line meets a sphere. Roots are taken one by one, as they are asked
+/// for, like triangles' distances.
+HWY_INLINE uint32_t cross_spheres(const SphereBlock& block, const PrimitiveRay& ray,
+                                  SphereCrossings& crossings) {
+  const hn::CappedTag<double, 4> d;
   uint32_t mask = 0;
   const auto dx = hn::Set(d, ray.direction[0]), dy = hn::Set(d, ray.direction[1]),
              dz = hn::Set(d, ray.direction[2]);
   const auto a = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+  crossings.a = hn::GetLane(a);
   for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
     const auto ox = hn::Sub(hn::Set(d, ray.origin[0]), hn::Load(d, &block.center[0][lane]));
     const auto oy = hn::Sub(hn::Set(d, ray.origin[1]), hn::Load(d, &block.center[1][lane]));
@@ -107,20 +130,13 @@ HWY_INLINE uint32_t test_spheres(const SphereBlock& block, const PrimitiveRay& r
     const auto pz = hn::Sub(oz, hn::Mul(closest, dz));
     const auto discriminant =
         hn::Sub(r2, hn::Add(hn::Add(hn::Mul(px, px), hn::Mul(py, py)), hn::Mul(pz, pz)));
-    const auto meets = hn::Ge(discriminant, zero);
+    const auto meets = hn::Ge(discriminant, hn::Zero(d));
     if (hn::AllFalse(d, meets)) continue;
-    const auto root = hn::Sqrt(hn::Mul(hn::Max(discriminant, zero), a));
-    const auto c = hn::Sub(hn::Add(hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy)), hn::Mul(oz, oz)), r2);
-    const auto approaching = hn::Lt(b, zero);
-    const auto q = hn::Sub(hn::IfThenElse(approaching, root, hn::Neg(root)), b);
-    const auto c_over_q = hn::Div(c, q), q_over_a = hn::Div(q, a);
-    const auto first = hn::IfThenElse(approaching, c_over_q, q_over_a);
-    const auto second = hn::IfThenElse(approaching, q_over_a, c_over_q);
-    const auto t = hn::IfThenElse(hn::Gt(first, zero), first, second);
-    const auto accepted = hn::And(meets, hn::And(hn::Gt(t, zero), hn::Le(t, hn::Set(d, t_max))));
-    if (hn::AllFalse(d, accepted)) continue;
-    hn::Store(t, d, out_t + lane);
-    mask |= bits_of(d, accepted) << lane;
+    hn::Store(b, d, crossings.b + lane);
+    hn::Store(hn::Sub(hn::Add(hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy)), hn::Mul(oz, oz)), r2), d,
+              crossings.c + lane);
+    hn::Store(discriminant, d, crossings.discriminant + lane);
+    mask |= bits_of(d, meets) << lane;
   }
   return mask;
 }
@@ -152,17 +168,25 @@ class ClosestHit {
   template <typename Number>
   HWY_INLINE bool test_block(uint32_t index, const Vertices<Number>& vertices, const PrimitiveRay& ray,
                              uint32_t instance) {
-    HWY_ALIGN double t[8], u[8], v[8], w[8];
-    for (uint32_t mask = test_triangles(vertices, ray, hit_->t, t, u, v, w); mask; mask &= mask - 1) {
+    TriangleCrossings crossings;
+    for (uint32_t mask = cross_triangles(vertices, ray, crossings); mask; mask &= mask - 1) {
       const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+      const double t = crossings.t(lane);
+      if (!(t > 0 && t <= hit_->t)) continue;
       const PrimitiveId id = scene_->triangle_blocks[index].primitives[lane];
-      if (hit_->is_beaten_by(t[lane], instance, id)) {
-        const double determinant = (u[lane] + v[lane]) + w[lane];
-        accept({t[lane], instance, id, 8 * index + lane, u[lane] / determinant, v[lane] / determinant,
-                w[lane] / determinant});
-      }
+      if (hit_->is_beaten_by(t, instance, id))
+        accept({t, instance, id, 8 * index + lane, crossings.u[lane], crossings.v[lane], crossings.w[lane]});
     }
     return false;
+  }
+
+  /// To be called when all is searched: the hit's barycentric weights lack a common factor until then.
+  HWY_INLINE void finish() {
+    if (hit_->block_lane == kNone) return;
+    const double sum = (hit_->u + hit_->v) + hit_->w;
+    hit_->u /= sum;
+    hit_->v /= sum;
+    hit_->w /= sum;
   }
 
   static std::optional<double> intersect_one(const Scene& scene, PrimitiveId id, const PrimitiveRay& ray,
@@ -180,11 +204,13 @@ class ClosestHit {
     if (leaf.kind() == ChildKind::spheres) {
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
         const SphereBlock& block = scene_->sphere_blocks[i];
-        HWY_ALIGN double t[8];
-        for (uint32_t mask = test_spheres(block, ray, hit_->t, t); mask; mask &= mask - 1) {
+        SphereCrossings crossings;
+        for (uint32_t mask = cross_spheres(block, ray, crossings); mask; mask &= mask - 1) {
           const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+          const double t = crossings.t(lane);
+          if (!(t > 0 && t <= hit_->t)) continue;
           const PrimitiveId id = make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]);
-          if (hit_->is_beaten_by(t[lane], instance, id)) accept({t[lane], instance, id});
+          if (hit_->is_beaten_by(t, instance, id)) accept({t, instance, id});
         }
       }
     } else if (leaf.kind() == ChildKind::mixed) {
@@ -227,16 +253,17 @@ class AnyHit {
   template <typename Number>
   HWY_INLINE bool test_block(uint32_t /*index*/, const Vertices<Number>& vertices, const PrimitiveRay& ray,
                              uint32_t /*instance*/) {
-    HWY_ALIGN double t[8], u[8], v[8], w[8];
-    return is_over_ = before_t_max(test_triangles(vertices, ray, t_max_, t, u, v, w), t);
+    TriangleCrossings crossings;
+    return is_over_ = is_any_before_t_max(cross_triangles(vertices, ray, crossings), crossings);
   }
 
  private:
   HWY_NOINLINE bool test_other_leaf(const ChildRef& leaf, const PrimitiveRay& ray) const {
     if (leaf.kind() == ChildKind::spheres) {
-      HWY_ALIGN double t[8];
+      SphereCrossings crossings;
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
-        if (before_t_max(test_spheres(scene_->sphere_blocks[i], ray, t_max_, t), t)) return true;
+        if (is_any_before_t_max(cross_spheres(scene_->sphere_blocks[i], ray, crossings), crossings))
+          return true;
     } else if (leaf.kind() == ChildKind::mixed) {
       for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count()))
         if (const auto found = ClosestHit::intersect_one(*scene_, id, ray, t_max_); found && *found < t_max_)
@@ -244,9 +271,12 @@ class AnyHit {
     }
     return false;
   }
-  bool before_t_max(uint32_t mask, const double* t) const {
-    for (; mask; mask &= mask - 1)
-      if (t[std::countr_zero(mask)] < t_max_) return true;
+  template <typename Crossings>
+  HWY_INLINE bool is_any_before_t_max(uint32_t mask, const Crossings& crossings) const {
+    for (; mask; mask &= mask - 1) {
+      const double t = crossings.t(static_cast<size_t>(std::countr_zero(mask)));
+      if (t > 0 && t < t_max_) return true;
+    }
     return false;
   }
   const Scene* scene_ = nullptr;

@@ -24,7 +24,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using FloatTag = hn::CappedTag<float, 8>;
 using DoubleTag = hn::CappedTag<double, 8>;
-using HalfFloatTag = hn::Rebind<float, DoubleTag>;
 
 // Box distances are computed in float as plane × inverse + bias. Every step rounds by at most 2^-24 of
 // |plane × inverse| <= |t| + |origin × inverse|; there are four of them (the inverse, the bias, the product
@@ -32,6 +31,14 @@ using HalfFloatTag = hn::Rebind<float, DoubleTag>;
 // in the bias.
 constexpr double kWiden = 1 + 0x1p-21;
 constexpr double kSlack = 0x1p-21;
+
+/// Floats as integers, whose larger and smaller are found in a quarter of the time. Their order is the
+/// floats' among those that are not negative, and negative ones come before these: all that a box test asks,
+/// for its near distances are at least 0, and it only matters of a far one below 0 that it is.
+using IntegerTag = hn::RebindToSigned<FloatTag>;
+HWY_INLINE hn::Vec<IntegerTag> as_integers(hn::Vec<FloatTag> distances) {
+  return hn::BitCast(IntegerTag(), distances);
+}
 
 /// A float that no conservative comparison with `t` may fall below.
 inline float widened(double t) {
@@ -118,7 +125,9 @@ struct PreparedRay : BoxRay, PrimitiveRay {
     }
     prepare();
   }
-  HWY_INLINE explicit PreparedRay(const PrimitiveRay& ray) : PrimitiveRay(ray) { prepare(); }
+  /// A ray of a packet.
+  HWY_INLINE PreparedRay(const BoxRay& box, const PrimitiveRay& primitive)
+      : BoxRay(box), PrimitiveRay(primitive) {}
   /// The same ray in the space of an instance.
   HWY_INLINE PreparedRay(const PrimitiveRay& world, const Affine& object_from_world) {
     set_in_object(world, object_from_world);
@@ -176,20 +185,23 @@ class BoxTest {
   /// distances.
   HWY_INLINE uint32_t operator()(const VolumeNode& node, float t_far, float* HWY_RESTRICT entry) const {
     const float* const planes = node.planes[0][0].data();
-    uint32_t mask = 0;
+    uint32_t missed = 0;
     for (size_t lane = 0; lane < 8; lane += hn::Lanes(d_)) {
-      const auto near_x = hn::MulAdd(hn::Load(d_, planes + near_x_ + lane), near_inverse_x_, near_bias_x_);
-      const auto near_y = hn::MulAdd(hn::Load(d_, planes + near_y_ + lane), near_inverse_y_, near_bias_y_);
-      const auto near_z = hn::MulAdd(hn::Load(d_, planes + near_z_ + lane), near_inverse_z_, near_bias_z_);
-      const auto far_x = hn::MulAdd(hn::Load(d_, planes + far_x_ + lane), far_inverse_x_, far_bias_x_);
-      const auto far_y = hn::MulAdd(hn::Load(d_, planes + far_y_ + lane), far_inverse_y_, far_bias_y_);
-      const auto far_z = hn::MulAdd(hn::Load(d_, planes + far_z_ + lane), far_inverse_z_, far_bias_z_);
-      const auto near = hn::Max(hn::Max(near_x, near_y), hn::Max(near_z, hn::Zero(d_)));
-      const auto far = hn::Min(hn::Min(far_x, far_y), hn::Min(far_z, hn::Set(d_, t_far)));
-      hn::Store(near, d_, entry + lane);
-      mask |= bits_of(d_, hn::Le(near, far)) << lane;
+      const auto distance = [&](size_t side, V inverse, V bias) HWY_ATTR {
+        return as_integers(hn::MulAdd(hn::Load(d_, planes + side + lane), inverse, bias));
+      };
+      const auto near_x = distance(near_x_, near_inverse_x_, near_bias_x_);
+      const auto near_y = distance(near_y_, near_inverse_y_, near_bias_y_);
+      const auto near_z = distance(near_z_, near_inverse_z_, near_bias_z_);
+      const auto far_x = distance(far_x_, far_inverse_x_, far_bias_x_);
+      const auto far_y = distance(far_y_, far_inverse_y_, far_bias_y_);
+      const auto far_z = distance(far_z_, far_inverse_z_, far_bias_z_);
+      const auto near = hn::Max(hn::Max(near_x, near_y), hn::Max(near_z, hn::Zero(IntegerTag())));
+      const auto far = hn::Min(hn::Min(far_x, far_y), hn::Min(far_z, as_integers(hn::Set(d_, t_far))));
+      hn::Store(hn::BitCast(d_, near), d_, entry + lane);
+      missed |= bits_of(IntegerTag(), hn::Gt(near, far)) << lane;
     }
-    return mask;
+    return 0xff & ~missed;
   }
 
  private:
@@ -204,6 +216,55 @@ class BoxTest {
 constexpr size_t kPacketRays = kMostPacketRays;
 constexpr uint32_t kAllRays = (1u << kPacketRays) - 1;
 
+/// Sets all lanes of `to`; those that are not `wanted` repeat the first that is. `turn(d, x, y, z)` changes
+/// vectors on their way.
+template <typename Turn>
+HWY_INLINE void copy_wanted(const VectorLanes& from, uint32_t wanted, VectorLanes& to, Turn turn) {
+  const hn::CappedTag<double, kPacketRays> d;
+  const auto first = static_cast<size_t>(std::countr_zero(wanted));
+  for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
+    const auto bits = static_cast<uint8_t>(wanted >> lane);
+    const auto is_wanted = hn::LoadMaskBits(d, &bits);
+    const auto load = [&](size_t axis) HWY_ATTR {
+      return hn::IfThenElse(is_wanted, hn::Load(d, &from[axis][lane]), hn::Set(d, from[axis][first]));
+    };
+    auto x = load(0), y = load(1), z = load(2);
+    turn(d, x, y, z);
+    hn::Store(x, d, &to[0][lane]);
+    hn::Store(y, d, &to[1][lane]);
+    hn::Store(z, d, &to[2][lane]);
+  }
+}
+
+HWY_INLINE void copy_wanted(const RayPacket& from, uint32_t wanted, RayPacket& to) {
+  const auto as_it_is = [](auto&&...) HWY_ATTR {};
+  copy_wanted(from.origins, wanted, to.origins, as_it_is);
+  copy_wanted(from.directions, wanted, to.directions, as_it_is);
+}
+
+/// The same rays in the space of an instance, by the operations of Affine.
+HWY_INLINE void copy_wanted_in_object(const RayPacket& world, const Affine& object_from_world,
+                                      uint32_t wanted, RayPacket& to) {
+  const Mat3& m = object_from_world.linear;
+  const auto turn = [&m](auto d, auto& x, auto& y, auto& z) HWY_ATTR {
+    const auto row = [&](int i) HWY_ATTR {
+      return hn::Add(hn::Add(hn::Mul(hn::Set(d, m[0][i]), x), hn::Mul(hn::Set(d, m[1][i]), y)),
+                     hn::Mul(hn::Set(d, m[2][i]), z));
+    };
+    const auto turned_x = row(0), turned_y = row(1), turned_z = row(2);
+    x = turned_x;
+    y = turned_y;
+    z = turned_z;
+  };
+  copy_wanted(world.origins, wanted, to.origins, [&](auto d, auto& x, auto& y, auto& z) HWY_ATTR {
+    turn(d, x, y, z);
+    x = hn::Add(x, hn::Set(d, object_from_world.translation.x));
+    y = hn::Add(y, hn::Set(d, object_from_world.translation.y));
+    z = hn::Add(z, hn::Set(d, object_from_world.translation.z));
+  });
+  copy_wanted(world.directions, wanted, to.directions, turn);
+}
+
 /// Rays whose directions have the same signs and that walk together: one box test serves them all, with the
 /// bounds of their origins and directions; at a leaf each is tested by itself, exactly as if it had come
 /// alone.
@@ -211,25 +272,37 @@ class Packet {
  public:
   using Lanes = std::array<float, kPacketRays>;
 
-  /// Sets what primitive tests need of the rays, beside origin and direction, and the packet's own data.
-  /// False if the rays are no packet: one alone, or of different signs. Then nothing is set.
-  HWY_INLINE bool join(std::span<PrimitiveRay> rays) {
-    if (rays.size() < 2) return false;
-    HWY_ALIGN double origins[3][kPacketRays], directions[3][kPacketRays];
-    for (size_t axis = 0; axis < 3; ++axis)
-      for (size_t i = 0; i < kPacketRays; ++i) {  // the last ray fills up
-        const PrimitiveRay& ray = rays[std::min(i, rays.size() - 1)];
-        origins[axis][i] = ray.origin[axis];
-        directions[axis][i] = ray.direction[axis];
-      }
-    if (!set_bounds(origins, directions) || !prepare_lanes(origins, directions)) return false;
-    for (size_t i = 0; i < rays.size(); ++i) {
-      rays[i].set_axes(z_over_all_ >> i & 1 ? 2 : y_over_x_ >> i & 1);
-      rays[i].shear_x = shear_[0][i];
-      rays[i].shear_y = shear_[1][i];
-      rays[i].shear_z = shear_[2][i];
+  /// Prepares rays, all lanes of them, for box and primitive tests, and those of `wanted` for walks of their
+  /// own. False if they are no packet: one alone, or of different signs.
+  HWY_INLINE bool join(const RayPacket& rays, uint32_t wanted, PrimitiveRay* HWY_RESTRICT prepared) {
+    prepare_lanes(rays);
+    for (uint32_t rest = wanted; rest; rest &= rest - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(rest));
+      prepared[i].set(rays.origin(i), rays.direction(i));
+      prepared[i].set_axes(z_over_all_ >> i & 1 ? 2 : y_over_x_ >> i & 1);
+      prepared[i].shear_x = shear_[0][i];
+      prepared[i].shear_y = shear_[1][i];
+      prepared[i].shear_z = shear_[2][i];
     }
+    for (const uint32_t backward : backward_)
+      if (backward != 0 && backward != kAllRays) return false;
+    if ((wanted & (wanted - 1)) == 0) return false;
+    for (size_t axis = 0; axis < 3; ++axis) set_bounds(rays, axis);
     return true;
+  }
+
+  /// What the box test needs of one of the rays.
+  HWY_INLINE BoxRay alone(size_t i) const {
+    BoxRay ray;
+    ray.backward = 0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      ray.near_inverse[axis] = near_inverse_[axis][i];
+      ray.near_bias[axis] = near_bias_[axis][i];
+      ray.far_inverse[axis] = far_inverse_[axis][i];
+      ray.far_bias[axis] = far_bias_[axis][i];
+      ray.backward |= (backward_[axis] >> i & 1) << axis;
+    }
+    return ray;
   }
 
   const BoxRay& bounds() const { return bounds_; }
@@ -237,26 +310,25 @@ class Packet {
   /// The bits of the rays that may meet a child's box in [0, t_fars[ray]].
   HWY_INLINE uint32_t rays_meeting(const VolumeNode& node, size_t slot, const Lanes& t_fars) const {
     const FloatTag d;
-    uint32_t result = 0;
+    uint32_t missed = 0;
     for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
-      auto near = hn::Zero(d), far = hn::Load(d, &t_fars[lane]);
+      auto near = hn::Zero(IntegerTag()), far = as_integers(hn::Load(d, &t_fars[lane]));
       for (size_t axis = 0; axis < 3; ++axis) {
         const size_t side = bounds_.backward >> axis & 1;
-        near = hn::Max(
-            near, hn::MulAdd(hn::Set(d, node.planes[side][axis][slot]),
-                             hn::Load(d, &near_inverse_[axis][lane]), hn::Load(d, &near_bias_[axis][lane])));
-        far = hn::Min(
-            far, hn::MulAdd(hn::Set(d, node.planes[1 - side][axis][slot]),
-                            hn::Load(d, &far_inverse_[axis][lane]), hn::Load(d, &far_bias_[axis][lane])));
+        near = hn::Max(near, as_integers(hn::MulAdd(hn::Set(d, node.planes[side][axis][slot]),
+                                                    hn::Load(d, &near_inverse_[axis][lane]),
+                                                    hn::Load(d, &near_bias_[axis][lane]))));
+        far = hn::Min(far, as_integers(hn::MulAdd(hn::Set(d, node.planes[1 - side][axis][slot]),
+                                                  hn::Load(d, &far_inverse_[axis][lane]),
+                                                  hn::Load(d, &far_bias_[axis][lane]))));
       }
-      result |= bits_of(d, hn::Le(near, far)) << lane;
+      missed |= bits_of(IntegerTag(), hn::Gt(near, far)) << lane;
     }
-    return result;
+    return kAllRays & ~missed;
   }
 
  private:
   using Tag = hn::CappedTag<double, kPacketRays>;
-  using Columns = const double (*)[kPacketRays];
   static HWY_INLINE void find_range(const double* values, double& lo, double& hi) {
     const Tag d;
     auto least = hn::Load(d, values), most = least;
@@ -268,46 +340,32 @@ class Packet {
     hi = hn::GetLane(hn::MaxOfLanes(d, most));
   }
 
-  /// The box test's bounds; false if the signs of a component differ.
-  HWY_INLINE bool set_bounds(Columns origins, Columns directions) {
-    std::array<double, 3> lo, hi;
-    double length = 0;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      find_range(directions[axis], lo[axis], hi[axis]);
-      if (lo[axis] < 0 && hi[axis] > 0) return false;
-      length = std::max(length, std::max(std::abs(lo[axis]), std::abs(hi[axis])));
-    }
-    const double least = least_component(length);
-    bounds_.backward = 0;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      double origin_lo, origin_hi;
-      find_range(origins[axis], origin_lo, origin_hi);
-      const bool is_backward = std::signbit(lo[axis]);
-      // The earliest that any ray can meet a plane is with the origin nearest to it and the fastest
-      // component.
-      const double fastest = is_backward ? lo[axis] : hi[axis], slowest = is_backward ? hi[axis] : lo[axis];
-      const double near = 1 / std::copysign(std::max(std::abs(fastest), least), fastest);
-      const double far = 1 / std::copysign(std::max(std::abs(slowest), least), slowest);
-      const double near_bias = -(is_backward ? origin_lo : origin_hi) * near;
-      const double far_bias = -(is_backward ? origin_hi : origin_lo) * far;
-      bounds_.near_inverse[axis] = static_cast<float>(near);
-      bounds_.far_inverse[axis] = static_cast<float>(far * kWiden);
-      bounds_.near_bias[axis] = static_cast<float>(near_bias - kSlack * std::abs(near_bias));
-      bounds_.far_bias[axis] = static_cast<float>(far_bias + 2 * kSlack * std::abs(far_bias));
-      bounds_.backward |= static_cast<uint32_t>(is_backward) << axis;
-    }
-    return true;
+  /// The box test's bounds along one axis.
+  HWY_INLINE void set_bounds(const RayPacket& rays, size_t axis) {
+    double origin_lo, origin_hi, inverse_lo, inverse_hi;
+    find_range(rays.origins[axis], origin_lo, origin_hi);
+    find_range(inverse_[axis], inverse_lo, inverse_hi);
+    const bool is_backward = backward_[axis] != 0;
+    // The earliest that any ray can meet a plane is with the origin nearest to it and the fastest component.
+    const double near = is_backward ? inverse_hi : inverse_lo, far = is_backward ? inverse_lo : inverse_hi;
+    const double near_bias = -(is_backward ? origin_lo : origin_hi) * near;
+    const double far_bias = -(is_backward ? origin_hi : origin_lo) * far;
+    bounds_.near_inverse[axis] = static_cast<float>(near);
+    bounds_.far_inverse[axis] = static_cast<float>(far * kWiden);
+    bounds_.near_bias[axis] = static_cast<float>(near_bias - kSlack * std::abs(near_bias));
+    bounds_.far_bias[axis] = static_cast<float>(far_bias + 2 * kSlack * std::abs(far_bias));
+    if (axis == 0) bounds_.backward = 0;
+    bounds_.backward |= static_cast<uint32_t>(is_backward) << axis;
   }
 
-  /// What PreparedRay holds of one ray, for all of them at once, by the same operations. False if the signs
-  /// of their components differ.
-  HWY_INLINE bool prepare_lanes(Columns origins, Columns directions) {
+  /// What PreparedRay holds of one ray, for all of them at once, by the same operations.
+  HWY_INLINE void prepare_lanes(const RayPacket& rays) {
     const Tag d;
     z_over_all_ = y_over_x_ = 0;
-    std::array<uint32_t, 3> backward{};
+    backward_ = {};
     for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
-      const auto x = hn::Load(d, &directions[0][lane]), y = hn::Load(d, &directions[1][lane]),
-                 z = hn::Load(d, &directions[2][lane]);
+      const auto x = hn::Load(d, &rays.directions[0][lane]), y = hn::Load(d, &rays.directions[1][lane]),
+                 z = hn::Load(d, &rays.directions[2][lane]);
       const auto largest_xy = hn::Max(hn::Abs(x), hn::Abs(y));
       const auto y_over_x = hn::Gt(hn::Abs(y), hn::Abs(x)), z_over_all = hn::Ge(hn::Abs(z), largest_xy);
       const auto largest = hn::Max(largest_xy, hn::Abs(z));
@@ -315,10 +373,11 @@ class Packet {
           hn::IfThenElse(hn::Lt(largest, hn::Set(d, kShort)), hn::Mul(hn::Set(d, kLeastOfShort), largest),
                          hn::Set(d, kLeastComponent));
       const auto inverse_of = [&](size_t axis, hn::Vec<Tag> component) HWY_ATTR {
-        const auto inverse =
-            prepare_axis(d, hn::Load(d, &origins[axis][lane]), component, least, &near_inverse_[axis][lane],
-                         &near_bias_[axis][lane], &far_inverse_[axis][lane], &far_bias_[axis][lane]);
-        backward[axis] |= bits_of(d, hn::Lt(inverse, hn::Zero(d))) << lane;
+        const auto inverse = prepare_axis(d, hn::Load(d, &rays.origins[axis][lane]), component, least,
+                                          &near_inverse_[axis][lane], &near_bias_[axis][lane],
+                                          &far_inverse_[axis][lane], &far_bias_[axis][lane]);
+        hn::Store(inverse, d, &inverse_[axis][lane]);
+        backward_[axis] |= bits_of(d, hn::Lt(inverse, hn::Zero(d))) << lane;
         return inverse;
       };
       const auto inverse_x = inverse_of(0, x), inverse_y = inverse_of(1, y), inverse_z = inverse_of(2, z);
@@ -332,15 +391,13 @@ class Packet {
       z_over_all_ |= bits_of(d, z_over_all) << lane;
       y_over_x_ |= bits_of(d, y_over_x) << lane;
     }
-    for (size_t axis = 0; axis < 3; ++axis)
-      if (backward[axis] != (bounds_.backward >> axis & 1 ? kAllRays : 0)) return false;  // as with 0 and -0
-    return true;
   }
 
   BoxRay bounds_;
   HWY_ALIGN std::array<Lanes, 3> near_inverse_, near_bias_, far_inverse_, far_bias_;  ///< [axis][ray]
-  HWY_ALIGN double shear_[3][kPacketRays];
-  uint32_t z_over_all_, y_over_x_;  ///< bits of the rays whose largest component is z, or else y
+  HWY_ALIGN VectorLanes shear_, inverse_;
+  std::array<uint32_t, 3> backward_;  ///< [axis]: bits of the rays whose component is negative
+  uint32_t z_over_all_, y_over_x_;    ///< bits of the rays whose largest component is z, or else y
 };
 
 }  // namespace HWY_NAMESPACE

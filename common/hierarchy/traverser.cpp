@@ -21,6 +21,7 @@ Hit find_closest(const Scene& scene, const Pose& pose, const Ray& ray) {
   hit.t = ray.t_max;
   ClosestHit search(scene, hit);
   search_for_one(scene, pose, PreparedRay(ray), search);
+  search.finish();
   return hit;
 }
 
@@ -29,22 +30,23 @@ bool find_any(const Scene& scene, const Pose& pose, const Ray& ray) {
   return search_for_one(scene, pose, PreparedRay(ray), search);
 }
 
-void find_closest_of_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays, Hit* hits) {
+void find_closest_of_packet(const Scene& scene, const Pose& pose, const RayPacket& rays, Hit* hits) {
   std::array<ClosestHit, kPacketRays> searches;
-  for (size_t i = 0; i < rays.size(); ++i) {
+  for (size_t i = 0; i < rays.size; ++i) {
     hits[i] = {};
-    hits[i].t = rays[i].t_max;
+    hits[i].t = rays.t_max[i];
     searches[i] = ClosestHit(scene, hits[i]);
   }
   search_for_packet(scene, pose, rays, searches.data());
+  for (size_t i = 0; i < rays.size; ++i) searches[i].finish();
 }
 
-uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays) {
+uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacket& rays) {
   std::array<AnyHit, kPacketRays> searches;
-  for (size_t i = 0; i < rays.size(); ++i) searches[i] = AnyHit(scene, rays[i].t_max);
+  for (size_t i = 0; i < rays.size; ++i) searches[i] = AnyHit(scene, rays.t_max[i]);
   search_for_packet(scene, pose, rays, searches.data());
   uint32_t hits = 0;
-  for (size_t i = 0; i < rays.size(); ++i) hits |= static_cast<uint32_t>(searches[i].is_over()) << i;
+  for (size_t i = 0; i < rays.size; ++i) hits |= static_cast<uint32_t>(searches[i].is_over()) << i;
   return hits;
 }
 
@@ -60,6 +62,7 @@ Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ra
     SingleWalker walker(local, search);
     walk_list(scene.parts[scene.instances[i].part], i, walker);
   }
+  search.finish();
   return hit;
 }
 
@@ -84,11 +87,11 @@ bool any_hit(const Scene& scene, const Pose& pose, const Ray& ray) {
   return HWY_DYNAMIC_DISPATCH(find_any)(scene, pose, ray);
 }
 
-void closest_hits(const Scene& scene, const Pose& pose, std::span<const Ray> rays, Hit* hits) {
+void closest_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, Hit* hits) {
   HWY_DYNAMIC_DISPATCH(find_closest_of_packet)(scene, pose, rays, hits);
 }
 
-uint32_t any_hits(const Scene& scene, const Pose& pose, std::span<const Ray> rays) {
+uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays) {
   return HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays);
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/hierarchy/frame_state.h"
 #include "common/hierarchy/hit.h"
+#include "common/math/ray_packet.h"
 
 namespace rayfarm {
 
@@ -16,11 +17,10 @@ Hit closest_hit(const Scene& scene, const Pose& pose, const Ray& ray);
 /// True if anything is hit in (0, ray.t_max).
 bool any_hit(const Scene& scene, const Pose& pose, const Ray& ray);
 
-/// The same answers for up to kMostPacketRays rays at once, faster where they have nearly the same direction.
+/// The same answers for all rays of a packet at once, faster where they have nearly the same direction.
 /// hits[i] is for rays[i]; bit i of the result of any_hits tells that ray i hits anything.
-inline constexpr size_t kMostPacketRays = 8;
-void closest_hits(const Scene& scene, const Pose& pose, std::span<const Ray> rays, Hit* hits);
-uint32_t any_hits(const Scene& scene, const Pose& pose, std::span<const Ray> rays);
+void closest_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, Hit* hits);
+uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays);
 
 /// The same answers from testing every primitive of every instance: what the tests compare with.
 Hit closest_hit_brute_force(const Scene& scene, const Pose& pose, const Ray& ray);

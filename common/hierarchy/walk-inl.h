@@ -53,18 +53,10 @@ class SingleWalker {
 /// The rays of a packet in one space, each with its search.
 template <typename Search>
 struct Bundle {
-  explicit Bundle(const Scene& of) : scene(&of) {}
   const Scene* scene;
+  Search* searches;  ///< of all rays
+  uint32_t held;     ///< bits of the rays that it holds; the others are not set
   std::array<PrimitiveRay, kPacketRays> rays;
-  std::array<Search*, kPacketRays> searches;
-  size_t count = 0;
-
-  /// The new ray, to be set.
-  PrimitiveRay& add(Search* search) {
-    searches[count] = search;
-    return rays[count++];
-  }
-  std::span<PrimitiveRay> span() { return std::span(rays).first(count); }
 };
 
 /// A packet's walk through the hierarchy.
@@ -116,8 +108,8 @@ class PacketWalker {
   void update() {
     active_ = 0;
     for (size_t i = 0; i < kPacketRays; ++i) {
-      const bool is_active = i < bundle_.count && !bundle_.searches[i]->is_over();
-      t_fars_[i] = is_active ? bundle_.searches[i]->t_far() : -1;
+      const bool is_active = (bundle_.held >> i & 1) && !bundle_.searches[i].is_over();
+      t_fars_[i] = is_active ? bundle_.searches[i].t_far() : -1;
       active_ |= static_cast<uint32_t>(is_active) << i;
     }
     t_far_ = *std::max_element(t_fars_.begin(), t_fars_.end());
@@ -129,9 +121,9 @@ class PacketWalker {
   HWY_INLINE void for_each_ray(uint32_t rays, Test test) {
     for (; rays; rays &= rays - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(rays));
-      const bool is_over = test(*bundle_.searches[i], bundle_.rays[i]);
+      const bool is_over = test(bundle_.searches[i], bundle_.rays[i]);
       active_ &= ~(static_cast<uint32_t>(is_over) << i);
-      t_fars_[i] = is_over ? -1 : bundle_.searches[i]->t_far();
+      t_fars_[i] = is_over ? -1 : bundle_.searches[i].t_far();
     }
   }
 
@@ -159,9 +151,8 @@ HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, Walker
   typename Walker::RaySets rays_of;
   const auto child_of = [](const VolumeNode& node, size_t slot)
                             HWY_ATTR { return std::bit_cast<uint64_t>(node.children[slot]); };
+  const BoxTest test_boxes(walker.box_ray());
   while (true) {
-    // Here, so that a visit to a leaf need not save and restore its registers.
-    const BoxTest test_boxes(walker.box_ray());
     while (std::bit_cast<ChildRef>(current).kind() == ChildKind::inner) {
       const VolumeNode& node = nodes[std::bit_cast<ChildRef>(current).first];
       if constexpr (Walker::kCounts) walker.count(node);
@@ -291,10 +282,11 @@ HWY_INLINE bool search_for_one(const Scene& scene, const Pose& pose, const Prepa
 }
 
 /// Walks the parts of a leaf of the object part with a bundle; `rays`: those that meet it, which alone are
-/// moved into the space of an instance.
+/// moved into the space of an instance. All lanes of `world_rays` are set.
 template <typename Search>
 HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const ChildRef& leaf,
-                                 const Bundle<Search>& world, const Packet& world_packet, uint32_t rays) {
+                                 const Bundle<Search>& world, const RayPacket& world_rays,
+                                 const Packet& world_packet, uint32_t rays) {
   for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
     const InstancePose& place = pose[instance];
     if (place.is_hidden) continue;
@@ -303,39 +295,55 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
       walk_part(scene, instance, walker);
       continue;
     }
-    Bundle<Search> local(scene);
     for (uint32_t rest = rays; rest; rest &= rest - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(rest));
-      if (world.searches[i]->is_over()) continue;
-      local.add(world.searches[i]).set_in_object(world.rays[i], place.object_from_world);
+      if (world.searches[i].is_over()) rays &= ~(1u << i);
     }
+    if (rays == 0) return;
+    RayPacket local_rays;
+    copy_wanted_in_object(world_rays, place.object_from_world, rays, local_rays);
+    Bundle<Search> local;
+    local.scene = &scene;
+    local.searches = world.searches;
+    local.held = rays;
     Packet packet;
-    if (packet.join(local.span())) {
+    if (packet.join(local_rays, rays, local.rays.data())) {
       PacketWalker<Search> walker(packet, local);
       walk_part(scene, instance, walker);
       continue;
     }
-    for (size_t i = 0; i < local.count; ++i) {
-      const PreparedRay ray(local.rays[i]);
-      SingleWalker walker(ray, *local.searches[i]);
+    for (uint32_t rest = rays; rest; rest &= rest - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(rest));
+      const PreparedRay ray(packet.alone(i), local.rays[i]);
+      SingleWalker walker(ray, local.searches[i]);
       walk_part(scene, instance, walker);
     }
   }
 }
 
 template <typename Search>
-HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, std::span<const Ray> rays,
+HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, const RayPacket& rays,
                                   Search* searches) {
-  Bundle<Search> bundle(scene);
-  for (size_t i = 0; i < rays.size(); ++i) bundle.add(&searches[i]).set(rays[i].origin, rays[i].direction);
+  if (rays.size == 1) {
+    search_for_one(scene, pose, PreparedRay(rays[0]), searches[0]);
+    return;
+  }
+  RayPacket filled_up;
+  if (!rays.is_full()) copy_wanted(rays, (1u << rays.size) - 1, filled_up);
+  const RayPacket& all = rays.is_full() ? rays : filled_up;
+  Bundle<Search> bundle;
+  bundle.scene = &scene;
+  bundle.searches = searches;
+  bundle.held = (1u << rays.size) - 1;
   Packet packet;
-  if (!packet.join(bundle.span())) {
-    for (size_t i = 0; i < rays.size(); ++i) search_for_one(scene, pose, PreparedRay(rays[i]), searches[i]);
+  if (!packet.join(all, bundle.held, bundle.rays.data())) {
+    for (size_t i = 0; i < rays.size; ++i)
+      search_for_one(scene, pose, PreparedRay(packet.alone(i), bundle.rays[i]), searches[i]);
     return;
   }
   PacketWalker<Search> walker(packet, bundle);
   walk_scene(scene, pose, walker, [&](const ChildRef& leaf, uint32_t leaf_rays) HWY_ATTR {
-    walk_instances(scene, pose, leaf, bundle, packet, leaf_rays & walker.active());
+    walk_instances(scene, pose, leaf, bundle, all, packet, leaf_rays & walker.active());
     walker.update();
     return walker.active() == 0;
   });

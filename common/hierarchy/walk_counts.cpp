@@ -52,6 +52,7 @@ Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, Wa
   hit.t = ray.t_max;
   Counting<ClosestHit> search(counts, scene, hit);
   search_for_one(scene, pose, PreparedRay(ray), search);
+  search.finish();
   return hit;
 }
 

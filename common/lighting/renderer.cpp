@@ -91,7 +91,7 @@ class Renderer::Rendering {
   }
 
   /// Traces eye rays in all passes of the colour model.
-  void trace(const Moment& moment, std::span<const Ray> rays, std::span<const SampleId> ids,
+  void trace(const Moment& moment, const RayPacket& rays, std::span<const SampleId> ids,
              RenderedPixels& counted, Color* colors) {
     for (const ColouredScene& pass : passes_) {
       const bool is_first = &pass == &passes_.front();
@@ -100,20 +100,22 @@ class Renderer::Rendering {
       counted.eye_hits += integrator_.trace({pass.scene(), moment.pose, tables_, moment.camera.spread()},
                                             rays, ids, counted.counts, channels);
       if (pass.pass().is_rgb) break;
-      for (size_t i = 0; i < rays.size(); ++i) {
+      for (size_t i = 0; i < rays.size; ++i) {
         const Color color = pass.pass().rgb_from_channels * channels[i];
         colors[i] = is_first ? color : colors[i] + color;
       }
     }
-    rays_since_pulse_ += rays.size();
+    rays_since_pulse_ += rays.size;
     if (rays_since_pulse_ < kRaysPerPulse) return;
     rays_since_pulse_ = 0;
     pulse_();
   }
 
-  Ray eye_ray(const Camera& camera, const SampleId& id, double x, double y) const {
-    return camera.has_lens() ? camera.ray(x, y, sample_disk(tables_.sampler.point(id, dimension::kLens)))
-                             : camera.ray(x, y);
+  void add_eye_ray(const Camera& camera, const SampleId& id, double x, double y, RayPacket& rays) const {
+    const Ray ray = camera.has_lens()
+                        ? camera.ray(x, y, sample_disk(tables_.sampler.point(id, dimension::kLens)))
+                        : camera.ray(x, y);
+    rays.push_back(ray.origin, ray.direction);
   }
 
   /// The moment of a sample. All pixels of a block share it, so that their rays stay together.
@@ -134,15 +136,15 @@ class Renderer::Rendering {
   void trace_sample(const Pixel& block, std::span<const Pixel> pixels, uint32_t sample,
                     RenderedPixels& counted, Color* colors, double* weights) {
     const Moment& moment = moment_of(block, sample);
-    OfPacket<Ray> rays;
+    RayPacket rays;
     OfPacket<SampleId> ids;
     for (const Pixel& p : pixels) {
       const SampleId& id = ids.push_back({p.x, p.y, sample});
       const PixelFilter::Place place = place_of(id);
-      rays.push_back(eye_ray(moment.camera, id, p.x + 0.5 + place.offset.x, p.y + 0.5 + place.offset.y));
+      add_eye_ray(moment.camera, id, p.x + 0.5 + place.offset.x, p.y + 0.5 + place.offset.y, rays);
       *weights++ = place.weight;
     }
-    trace(moment, rays.span(), ids.span(), counted, colors);
+    trace(moment, rays, ids.span(), counted, colors);
   }
 
   /// Adds the samples from `first` on.
@@ -170,7 +172,7 @@ class Renderer::Rendering {
     const auto columns = static_cast<size_t>(rect_.width() * a) + 1;
     std::vector<Color> row(columns);
     const auto trace_row = [&](int y) {
-      OfPacket<Ray> rays;
+      RayPacket rays;
       OfPacket<SampleId> ids;
       for (size_t i = 0; i < columns; ++i) {
         const int x = rect_.x0 * a + static_cast<int>(i);
@@ -180,11 +182,11 @@ class Renderer::Rendering {
                  (y < rect_.y1 * b || y == settings_.crop.y1 * b);
         };
         const SampleId& id = ids.push_back({x, y, 0});
-        rays.push_back(
-            eye_ray(moments_.front().camera, id, static_cast<double>(x) / a, static_cast<double>(y) / b));
+        add_eye_ray(moments_.front().camera, id, static_cast<double>(x) / a, static_cast<double>(y) / b,
+                    rays);
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
-        trace(moments_.front(), rays.span(), ids.span(), owns(x) ? result_ : counted_elsewhere_,
-              &row[i + 1 - rays.size()]);
+        trace(moments_.front(), rays, ids.span(), owns(x) ? result_ : counted_elsewhere_,
+              &row[i + 1 - rays.size]);
         rays.clear();
         ids.clear();
       }
@@ -280,7 +282,7 @@ class Renderer::Rendering {
       const SampleId id{p.x, p.y, 0};
       const Ray ray = moments_.front().camera.ray(next->center.x, next->center.y);
       Color color(0);
-      trace(moments_.front(), std::span(&ray, 1), std::span(&id, 1), result_, &color);
+      trace(moments_.front(), RayPacket(std::span(&ray, 1)), std::span(&id, 1), result_, &color);
       if (differ(color, firsts[p])) differs[p] = 1;
     }
     return differs;

@@ -51,8 +51,8 @@ class Checker {
 
   size_t check_packet(const std::vector<Ray>& rays) const {
     std::array<Hit, kMostPacketRays> hits;
-    closest_hits(scene_, pose_, rays, hits.data());
-    const uint32_t any = any_hits(scene_, pose_, rays);
+    closest_hits(scene_, pose_, RayPacket(rays), hits.data());
+    const uint32_t any = any_hits(scene_, pose_, RayPacket(rays));
     size_t mismatches = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
       const Hit expected = closest_hit_brute_force(scene_, pose_, rays[i]);

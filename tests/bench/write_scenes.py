@@ -9,6 +9,7 @@ space is left-handed, so its pictures are mirrored).
 import argparse
 import math
 import pathlib
+import random
 from dataclasses import dataclass, field
 
 
@@ -53,6 +54,8 @@ STONE = Material("stone", (0.7, 0.7, 0.65))
 GRASS = Material("grass", (0.45, 0.65, 0.3))
 PEARL = Material("pearl", (0.9, 0.8, 0.6), diffuse=0.5, reflect=0.45)
 FLOOR = Material("floor", (0.8, 0.75, 0.7), diffuse=0.85)
+STEEL = Material("steel", (0.6, 0.62, 0.7))
+FUR = Material("fur", (0.55, 0.35, 0.2))
 
 
 def bumpy_sphere(columns, rows, radius=1.0, center=(0, 0, 0), bumps=0.05):
@@ -124,18 +127,59 @@ def join(meshes):
     return points, triangles
 
 
+def cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def unit(a):
+    length = math.hypot(*a)
+    return tuple(x / length for x in a)
+
+
+def bar(a, b, radius, sides=8):
+    """A prism about a line, however long: 4 sides - 4 triangles, its sides as long as the bar."""
+    along = unit(tuple(q - p for p, q in zip(a, b)))
+    u = unit(cross(along, (0, 1, 0) if abs(along[1]) < 0.9 else (1, 0, 0)))
+    v = cross(along, u)
+    turns = [2 * math.pi * (k + 0.5) / sides for k in range(sides)]
+    ends = [[tuple(p[i] + radius * (math.cos(t) * u[i] + math.sin(t) * v[i]) for i in range(3)) for t in turns]
+            for p in (a, b)]
+    around = [[ends[0][k], ends[0][(k + 1) % sides], ends[1][(k + 1) % sides], ends[1][k]] for k in range(sides)]
+    return as_mesh(around + [ends[0][::-1], ends[1]])
+
+
+def turned(mesh, degrees):
+    points, triangles = mesh
+    return [place_point((degrees, (0, 0, 0)), p) for p in points], triangles
+
+
+def strand(root, direction, length, width, segments, rng):
+    """A ribbon of 2 segments triangles that bends, curls and twists from its root."""
+    points, triangles = [], []
+    p, step = root, length / segments
+    bend = unit(tuple(rng.gauss(0, 1) for _ in range(3)))
+    curl, twist, angle = rng.uniform(0.05, 0.3), rng.uniform(-0.5, 0.5), rng.uniform(0, math.pi)
+    for k in range(segments + 1):
+        u = unit(cross(direction, bend))
+        v = cross(direction, u)
+        half = 0.5 * width * (1 - 0.9 * k / segments)
+        side = [half * (math.cos(angle) * u[i] + math.sin(angle) * v[i]) for i in range(3)]
+        points += [tuple(p[i] - side[i] for i in range(3)), tuple(p[i] + side[i] for i in range(3))]
+        p = tuple(p[i] + step * direction[i] for i in range(3))
+        direction = unit((direction[0] + curl * u[0], direction[1] + curl * u[1] - 1.5 * step, direction[2] + curl * u[2]))
+        angle += twist
+    for k in range(0, 2 * segments, 2):
+        triangles += [(k, k + 1, k + 2), (k + 1, k + 3, k + 2)]
+    return points, triangles
+
+
 def sphereflake(depth, center=(0, 0, 0), radius=0.5, axis=(0, 0, 1)):
     """A sphere with nine of a third of its radius on it, and so on (Haines 1987): (9^(depth+1) - 1) / 8 spheres."""
     spheres = [(center, radius)]
     if depth == 0:
         return spheres
     helper = (1, 0, 0) if abs(axis[0]) < 0.8 else (0, 1, 0)
-
-    def cross(a, b):
-        return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    u = cross(axis, helper)
-    length = math.hypot(*u)
-    u = tuple(x / length for x in u)
+    u = unit(cross(axis, helper))
     v = cross(axis, u)
     for ring, count, height in ((0, 6, 0.0), (1, 3, math.sqrt(2 / 3))):
         for k in range(count):
@@ -185,6 +229,84 @@ def make_architecture():
                  lights=[((-8, 9, 2), 0.5), ((12, 9, -6), 0.5)], meshes=[Mesh(STONE, *join(parts))])
 
 
+def roof_frame(parts):
+    """A space frame of 16 by 11 pyramids under the roof: chords as long as the hall, and diagonals."""
+    def low(i, j):
+        return -28 + 3.5 * i, 11.0, -18 + 3.27 * j
+
+    def high(i, j):
+        return -26.25 + 3.5 * i, 13.2, -16.365 + 3.27 * j
+    for i in range(17):
+        parts.append(bar(low(i, 0), low(i, 11), 0.07))
+    for j in range(12):
+        parts.append(bar(low(0, j), low(16, j), 0.07))
+    for i in range(16):
+        parts.append(bar(high(i, 0), high(i, 10), 0.06))
+        for j in range(11):
+            parts += [bar(low(i + di, j + dj), high(i, j), 0.04, 6) for di in (0, 1) for dj in (0, 1)]
+
+
+def glazing(parts):
+    """Walls of crossing diagonal mullions, each from floor to roof, and thin transoms."""
+    for side in (-1, 1):
+        for k in range(-7, 61):
+            for lean in (-1, 1):
+                x = -30 + k
+                a, b = (x, 0, 19.6 * side), (x + 7 * lean, 14, 19.6 * side)
+                if -30 <= b[0] <= 30 and -30 <= x <= 30:
+                    parts.append(bar(a, b, 0.05, 4))
+        for k in range(1, 28):
+            parts.append(bar((-30, 0.5 * k, 19.55 * side), (30, 0.5 * k, 19.55 * side), 0.015, 4))
+
+
+def stairs(parts, foot, run, rise, width, steps):
+    """A flight along x with stringers, handrails and a net of leaning rods on both sides."""
+    x, y, z = foot
+    for k in range(steps):
+        lo = (x + run * k / steps, y + rise * (k + 1) / steps - 0.05, z - width / 2)
+        parts.append(as_mesh(box_polygons(lo, (lo[0] + 1.15 * abs(run) / steps, lo[1] + 0.05, z + width / 2))))
+    for side in (-1, 1):
+        w = z + side * width / 2
+        for height, radius in ((0, 0.09), (0.35, 0.012), (0.7, 0.012), (1.05, 0.04)):
+            parts.append(bar((x, y + height, w), (x + run, y + rise + height, w), radius, 12))
+        for k in range(3 * steps):
+            across, up = x + run * k / (3 * steps), y + rise * k / (3 * steps)
+            for lean in (-0.3, 0.3):
+                parts.append(bar((across, up, w), (across + lean, up + 1.05, w), 0.008, 6))
+
+
+def make_trusses():
+    """A hall of huge walls, askew to the axes, full of thin things at angles: a space frame, wind braces from corner to
+    corner, glazing of diagonal mullions, stairs with railings; and a few dense statues."""
+    parts = [as_mesh(box_polygons((-30, 0, -20), (30, 14, 20), inward=True))]
+    roof_frame(parts)
+    glazing(parts)
+    for k in range(12):
+        for row_of, x in enumerate((-27 + 4.5 * k, -22.5 + 4.5 * k)):
+            parts.append(bar((x, 0, -17 + 34 * row_of), (x + 3, 11, 17 - 34 * row_of), 0.02, 6))
+    for k in range(6):
+        for lane in (-9, -3, 3, 9):
+            stairs(parts, (-26 + 9 * k, 0 if k % 2 == 0 else 6, lane), 8, 6 if k % 2 == 0 else -6, 2.4, 30)
+    for k in range(20):
+        parts.append(bumpy_sphere(40, 20, 0.7, (-25 + 5.5 * (k % 10), 0.7, -15 + 30 * (k // 10)), 0.12))
+    return Scene("trusses", (-24, 5.5, 9), (12, 5, -7), angle=70,
+                 lights=[((-8, 9, 2), 0.5), ((12, 9.5, -6), 0.5)], meshes=[Mesh(STEEL, *turned(join(parts), 23))])
+
+
+def make_hair():
+    """Strands from all over a ball, each a ribbon that curls its own way: 320,000 triangles much longer than wide."""
+    rng = random.Random(1)
+    strands = []
+    for k in range(8000):
+        height = 1 - (2 * k + 1) / 8000  # a spiral of equal areas
+        across, phi = math.sqrt(1 - height * height), 2.399963229728653 * k
+        root = (across * math.cos(phi), height, across * math.sin(phi))
+        direction = unit(tuple(x + rng.gauss(0, 0.5) for x in root))
+        strands.append(strand(root, direction, rng.uniform(0.7, 1.6), rng.uniform(0.004, 0.01), 20, rng))
+    return Scene("hair", (2.2, 1.4, 3.4), (0, -0.1, 0), angle=40, lights=[((4, 5, 3), 0.7), ((-4, 3, 5), 0.4)],
+                 meshes=[Mesh(FUR, *join(strands)), Mesh(CLAY, *bumpy_sphere(132, 66, 1.0, bumps=0.01))])
+
+
 def make_instances():
     places = [(37.0 * k, (2.6 * (k % 10) - 11.7, 0.4 * math.sin(k), 2.6 * (k // 10) - 11.7)) for k in range(100)]
     points, triangles = bumpy_sphere(264, 133)
@@ -222,8 +344,8 @@ def make_stadium():
     return scene
 
 
-SCENES = {f.__name__[5:]: f for f in (make_balls, make_mesh70k, make_mesh1m, make_architecture, make_instances,
-                                       make_room, make_pot, make_stadium)}
+SCENES = {f.__name__[5:]: f for f in (make_balls, make_mesh70k, make_mesh1m, make_architecture, make_trusses, make_hair,
+                                       make_instances, make_room, make_pot, make_stadium)}
 
 
 # ---- formats -----------------------------------------------------------------------------------------------------

@@ -79,8 +79,8 @@ TEST(CornerSampling, APixelIsTheMeanOfTheRaysThroughItsCorners) {
           const SampleId id{x * 3 + static_cast<int>(i), y * 2 + static_cast<int>(j), 0};
           const Ray ray = camera.ray(x + i / 3.0, y + j / 2.0);
           Color color;
-          integrator->trace({probe.compiled.scene, probe.pose, tables, camera.spread()}, std::span(&ray, 1),
-                            std::span(&id, 1), counts, &color);
+          integrator->trace({probe.compiled.scene, probe.pose, tables, camera.spread()},
+                            RayPacket(std::span(&ray, 1)), std::span(&id, 1), counts, &color);
           expected += color / 12.0;
         }
       expect_color(rendered.pixels[static_cast<size_t>(y * 7 + x)], expected, 1e-6);

@@ -167,8 +167,8 @@ TEST(LightSampling, EnvironmentsLightPathsExactly) {
     const SampleId id{1, 2, i};
     Color color;
     make_integrator(settings.lighting)
-        ->trace({lit.compiled.scene, lit.pose, tables}, std::span(&ray, 1), std::span(&id, 1), counts,
-                &color);
+        ->trace({lit.compiled.scene, lit.pose, tables}, RayPacket(std::span(&ray, 1)), std::span(&id, 1),
+                counts, &color);
     sum += color;
   }
   EXPECT_NEAR(sum.x / settings.samples / expected, 1, 0.002);

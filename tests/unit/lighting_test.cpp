@@ -14,8 +14,8 @@ struct World {
     const SampleId id;
     Color color;
     make_integrator(settings.lighting)
-        ->trace({compiled.scene, pose, SamplingTables(settings, 0)}, std::span(&ray, 1), std::span(&id, 1),
-                counts, &color);
+        ->trace({compiled.scene, pose, SamplingTables(settings, 0)}, RayPacket(std::span(&ray, 1)),
+                std::span(&id, 1), counts, &color);
     return color;
   }
   CompiledScene compiled;
@@ -240,10 +240,10 @@ TEST(Lighting, SamplesDoNotDependOnTheirPacket) {
       ids.push_back({static_cast<int>(i), 2, i});
     }
     std::array<Color, 8> together, alone;
-    make_integrator(model)->trace(context, rays, ids, probe.counts, together.data());
+    make_integrator(model)->trace(context, RayPacket(rays), ids, probe.counts, together.data());
     for (size_t i = 0; i < 8; ++i)
-      make_integrator(model)->trace(context, std::span(rays).subspan(i, 1), std::span(ids).subspan(i, 1),
-                                    probe.counts, &alone[i]);
+      make_integrator(model)->trace(context, RayPacket(std::span(rays).subspan(i, 1)),
+                                    std::span(ids).subspan(i, 1), probe.counts, &alone[i]);
     EXPECT_EQ(together, alone);
   }
 }

@@ -245,8 +245,8 @@ scene:
       const SampleId id{i, 1, 0};
       Color color;
       make_integrator(probe.settings.lighting)
-          ->trace({probe.compiled.scene, probe.pose, tables}, std::span(&ray, 1), std::span(&id, 1),
-                  probe.counts, &color);
+          ->trace({probe.compiled.scene, probe.pose, tables}, RayPacket(std::span(&ray, 1)),
+                  std::span(&id, 1), probe.counts, &color);
       sum += color.x / kPlaces;
     }
     return sum / 0.36;

@@ -21,14 +21,17 @@ struct Probe {
     const FrameContext context{compiled.scene, pose, tables};
     const std::unique_ptr<Integrator> integrator = make_integrator(settings.lighting);
     const Ray ray{origin, normalized(direction)};
-    const std::array<Ray, kMostPacketRays> rays{ray, ray, ray, ray, ray, ray, ray, ray};
     Color sum(0);
     for (uint32_t sample = 0; sample < samples; sample += kMostPacketRays) {
       const size_t n = std::min<size_t>(kMostPacketRays, samples - sample);
+      RayPacket rays;
       std::array<SampleId, kMostPacketRays> ids;
-      for (size_t i = 0; i < n; ++i) ids[i] = {3, 7, sample + static_cast<uint32_t>(i)};
+      for (size_t i = 0; i < n; ++i) {
+        rays.push_back(ray.origin, ray.direction);
+        ids[i] = {3, 7, sample + static_cast<uint32_t>(i)};
+      }
       std::array<Color, kMostPacketRays> colors;
-      integrator->trace(context, std::span(rays).first(n), std::span(ids).first(n), counts, colors.data());
+      integrator->trace(context, rays, std::span(ids).first(n), counts, colors.data());
       for (size_t i = 0; i < n; ++i) sum += colors[i];
     }
     return sum / static_cast<double>(samples);

@@ -68,8 +68,8 @@ void compare_packets_with_single_rays(const CompiledScene& compiled, double scal
   for (int n = 0; n < packets; ++n) {
     const std::vector<Ray> rays = random_packet(random, scale);
     std::array<Hit, kMostPacketRays> hits;
-    closest_hits(compiled.scene, pose, rays, hits.data());
-    const uint32_t any = any_hits(compiled.scene, pose, rays);
+    closest_hits(compiled.scene, pose, RayPacket(rays), hits.data());
+    const uint32_t any = any_hits(compiled.scene, pose, RayPacket(rays));
     EXPECT_EQ(any >> rays.size(), 0u);
     for (size_t i = 0; i < rays.size(); ++i) {
       const Hit single = closest_hit(compiled.scene, pose, rays[i]);

@@ -143,7 +143,7 @@ TEST(Visibility, NoRayMeetsWhatIsHidden) {
     }
     for (size_t i = 0; i < rays.size(); i += 8) {
       std::array<Hit, 8> hits;
-      const auto packet = std::span(rays).subspan(i, 8);
+      const RayPacket packet{std::span(rays).subspan(i, 8)};
       closest_hits(all.scene, pose, packet, hits.data());
       const uint32_t any = any_hits(all.scene, pose, packet);
       for (size_t k = 0; k < 8; ++k) {

@@ -43,10 +43,10 @@ void add_light(const Facing& facing, Highlights::Shape shape) {
 
 }  // namespace
 
-void ClassicalSurface::apply_textures(const FrameContext& context, double width) {
+void ClassicalSurface::apply_textures(const FrameContext& context, const Ray& ray, double width) {
   const double choice =
       material->kind == MaterialKind::mix ? context.tables.sampler.point(id, dimension::of_mix(stream)).x : 0;
-  color = textured(context.scene, context.pose, *ray, *hit, width, choice, surface).color;
+  color = textured(context.scene, context.pose, ray, *hit, width, choice, surface).color;
   material = &context.scene.materials[surface.material];
 }
 
@@ -57,7 +57,7 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     if (light.kind == LightKind::environment)
       continue;  // diffuse rays meet it, or ambient light stands for it
     const LightPlace& place = context.pose[light];
-    OfPacket<Ray> rays;
+    RayPacket rays;
     OfPacket<Facing> facing;
     for (ClassicalSurface& s : surfaces) {
       if (s.surface.is_gouraud) continue;
@@ -75,12 +75,12 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
       f.cosine_times_distance = glm::dot(s.surface.shading_normal, f.to_light);
       if (!(f.cosine_times_distance > 0)) continue;
       const Vec3 origin = s.surface.ray_origin(f.to_light);
-      rays.push_back({origin, target - origin, 1});
+      rays.push_back(origin, target - origin, 1);
       facing.push_back(f);
     }
     if (rays.empty()) continue;
-    counts[RayKind::shadow] += rays.size();
-    const uint32_t blocked = any_hits(context.scene, context.pose, rays.span());
+    counts[RayKind::shadow] += rays.size;
+    const uint32_t blocked = any_hits(context.scene, context.pose, rays);
     const bool is_glass_crossed = context.tables.settings.glass_shadows != GlassShadows::blocked;
     for (size_t k = 0; k < facing.size(); ++k) {
       const bool is_blocked = blocked >> k & 1;

@@ -11,7 +11,7 @@ namespace rayfarm {
 
 /// Where a ray met a surface, and the light that it sees there.
 struct ClassicalSurface {
-  /// No light yet. Ray and hit must outlive it. `width`: of the ray's cone at the hit; `stream` tells the
+  /// No light yet. The hit must outlive it. `width`: of the ray's cone at the hit; `stream` tells the
   /// rays of one sample apart, for their random numbers.
   ClassicalSurface(const FrameContext& context, const Ray& of_ray, const Hit& of_hit, double width,
                    const SampleId& of_sample, uint32_t of_stream)
@@ -19,18 +19,17 @@ struct ClassicalSurface {
         material(&context.scene.materials[surface.material]),
         color(material->color),
         direction(of_ray.direction),
-        ray(&of_ray),
+        ray_origin(of_ray.origin),
         hit(&of_hit),
         id(of_sample),
         stream(of_stream) {
-    if (is_textured(*material)) apply_textures(context, width);
+    if (is_textured(*material)) apply_textures(context, of_ray, width);
   }
 
   Surface surface;
   const Material* material;
-  Color color;     ///< the material's, textured
-  Vec3 direction;  ///< of the ray
-  const Ray* ray;
+  Color color;                 ///< the material's, textured
+  Vec3 direction, ray_origin;  ///< of the ray
   const Hit* hit;
   SampleId id;
   uint32_t stream;
@@ -58,7 +57,7 @@ struct ClassicalSurface {
   }
 
  private:
-  void apply_textures(const FrameContext& context, double width);
+  void apply_textures(const FrameContext& context, const Ray& ray, double width);
 };
 
 /// How sources show in surfaces.

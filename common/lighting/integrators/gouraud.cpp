@@ -38,7 +38,7 @@ ClassicalSurface surface_at_corner(const ClassicalSurface& hit, const InstancePo
   s.offset = rounding_bound(std::max(max_magnitude(s.p), place.is_identity
                                                              ? max_magnitude(p)
                                                              : magnitude_in_world(place, max_magnitude(p))));
-  corner.direction = normalized(s.p - hit.ray->origin);
+  corner.direction = normalized(s.p - hit.ray_origin);
   corner.diffuse = corner.specular = Color(0);
   return corner;
 }

@@ -13,18 +13,18 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  /// Sets `colors`, those seen along up to kMostPacketRays eye rays, best neighbours; `ids` tell which
+  /// Sets `colors`, those seen along eye rays, best neighbours; `ids` tell which
   /// samples they are. A colour does not depend on the other rays of its packet. `counts` grows by every ray
   /// traced. Returns how many of the eye rays met an object.
-  size_t trace(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+  size_t trace(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                RayCounts& counts, Color* colors) {
-    counts[RayKind::primary] += rays.size();
+    counts[RayKind::primary] += rays.size;
     return follow(context, rays, ids, counts, colors);
   }
 
  private:
   /// As trace, apart from counting the eye rays.
-  virtual size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+  virtual size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                         RayCounts& counts, Color* colors) = 0;
 };
 
@@ -33,5 +33,8 @@ std::unique_ptr<Integrator> make_integrator(LightingModel model);
 /// What make_integrator chooses from; each stands in its model's file.
 using MakeIntegrator = std::unique_ptr<Integrator>();
 MakeIntegrator make_phong, make_torrance_sparrow, make_whitted, make_thesis, make_path;
+
+/// make_path's model, every path by itself: what the tests compare with.
+MakeIntegrator make_path_one_by_one;
 
 }  // namespace rayfarm

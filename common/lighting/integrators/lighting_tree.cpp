@@ -30,14 +30,13 @@ SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& bran
   return rays;
 }
 
-void LightingTree::plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread,
-                         Color* colors) {
+void LightingTree::plant(const RayPacket& rays, std::span<const SampleId> ids, double spread, Color* colors) {
   while (Batch* const left = next_batch()) end(*left);  // of rays whose tracing ended in an exception
   forks_.clear();
   colors_ = colors;
   Batch& batch = begin_batch(1);
-  for (size_t i = 0; i < rays.size(); ++i) {
-    batch.rays.push_back(rays[i]);
+  batch.rays = rays;
+  for (size_t i = 0; i < rays.size; ++i) {
     Branch& branch = batch.branches.emplace_back();
     branch.receiver.place = static_cast<uint32_t>(i);
     branch.id = ids[i];
@@ -47,7 +46,7 @@ void LightingTree::plant(std::span<const Ray> rays, std::span<const SampleId> id
 
 Branch& LightingTree::grow(const Branch& from, const Surface& surface, const Vec3& direction, double share,
                            uint32_t child, Batch& batch) {
-  batch.rays.push_back({surface.ray_origin(direction), direction});
+  batch.rays.push_back(surface.ray_origin(direction), direction);
   Branch& branch = batch.branches.push_back(from);
   branch.weight *= share;
   branch.stream = static_cast<uint32_t>(mix_bits(uint64_t{from.stream} << 32 | child));

@@ -62,7 +62,7 @@ static_assert(std::is_trivially_copyable_v<Fork>);
 /// Rays of one depth to trace.
 struct Batch {
   uint32_t depth = 1;  ///< of eye rays
-  OfPacket<Ray> rays;
+  RayPacket rays;
   OfPacket<Branch> branches;
 };
 
@@ -84,7 +84,7 @@ SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& bran
 class LightingTree {
  public:
   /// Begins anew with eye rays, the first batch; `colors` are set as what they see is known.
-  void plant(std::span<const Ray> rays, std::span<const SampleId> ids, double spread, Color* colors);
+  void plant(const RayPacket& rays, std::span<const SampleId> ids, double spread, Color* colors);
 
   /// Numbers of the rays that leave a surface, which tell them apart; from kFirstOwn on they are the model's,
   /// and from kOfLobe on the others of a lobe, each that far from the one before it.

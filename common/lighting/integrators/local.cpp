@@ -12,16 +12,16 @@ class LocalIntegrator : public Integrator {
   explicit LocalIntegrator(Highlights::Shape shape) : highlights_{shape} {}
 
  private:
-  size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+  size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
     OfPacket<Hit> hits;
-    hits.resize_for_overwrite(rays.size());
+    hits.resize_for_overwrite(rays.size);
     closest_hits(context.scene, context.pose, rays, hits.data());
     OfPacket<ClassicalSurface> surfaces;
     OfPacket<size_t> ray_of_surface;
-    for (size_t i = 0; i < rays.size(); ++i) {
+    for (size_t i = 0; i < rays.size; ++i) {
       if (!hits[i].is_hit()) {
-        colors[i] = eval_background(context.scene, rays[i].direction);
+        colors[i] = eval_background(context.scene, rays.direction(i));
         continue;
       }
       surfaces.emplace_back(context, rays[i], hits[i], hits[i].t * context.spread, ids[i], 0)

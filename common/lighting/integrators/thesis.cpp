@@ -79,7 +79,7 @@ class ThesisTracer {
         ready_(work.ready),
         counts_(counts) {}
 
-  size_t trace(std::span<const Ray> rays, std::span<const SampleId> ids, Color* colors) {
+  size_t trace(const RayPacket& rays, std::span<const SampleId> ids, Color* colors) {
     gatherings_.clear();
     ready_.clear();
     tree_.plant(rays, ids, context_.spread, colors);
@@ -101,13 +101,13 @@ class ThesisTracer {
   /// Returns how many rays met an object.
   size_t trace(Batch& batch) {
     OfPacket<Hit> hits;
-    hits.resize_for_overwrite(batch.rays.size());
-    closest_hits(scene_, context_.pose, batch.rays.span(), hits.data());
+    hits.resize_for_overwrite(batch.rays.size);
+    closest_hits(scene_, context_.pose, batch.rays, hits.data());
     OfPacket<ClassicalSurface> surfaces;
     OfPacket<size_t> ray_of_surface;
-    for (size_t i = 0; i < batch.rays.size(); ++i) {
+    for (size_t i = 0; i < batch.rays.size; ++i) {
       if (!hits[i].is_hit()) {
-        take(tree_.deliver(batch.branches[i].receiver, eval_background(scene_, batch.rays[i].direction)));
+        take(tree_.deliver(batch.branches[i].receiver, eval_background(scene_, batch.rays.direction(i))));
         continue;
       }
       ray_of_surface.push_back(i);
@@ -289,10 +289,10 @@ class ThesisTracer {
     Batch& batch = tree_.begin_batch(gathering.depth);
     for (; gathering.next < settings_.diffuse_rays && !batch.rays.is_full(); ++gathering.next) {
       const bool serves_both = gathering.next == gathering.both;
-      send(place, batch.rays.size(), serves_both ? gathering.mirror : direction_of(gathering, gathering.next),
+      send(place, batch.rays.size, serves_both ? gathering.mirror : direction_of(gathering, gathering.next),
            serves_both, LightingTree::kFirstOwn + gathering.next, batch);
     }
-    gathering.count = static_cast<uint32_t>(batch.rays.size());
+    gathering.count = static_cast<uint32_t>(batch.rays.size);
   }
 
   /// One more ray between neighbours that differ (3.3). False: there are none.
@@ -358,7 +358,7 @@ class ThesisTracer {
 
 class ThesisIntegrator : public Integrator {
  private:
-  size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+  size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
     return ThesisTracer(context, work_, counts).trace(rays, ids, colors);
   }

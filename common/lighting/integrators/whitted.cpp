@@ -8,7 +8,7 @@ namespace {
 
 class WhittedIntegrator : public Integrator {
  private:
-  size_t follow(const FrameContext& context, std::span<const Ray> rays, std::span<const SampleId> ids,
+  size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
     tree_.plant(rays, ids, context.spread, colors);
     const size_t eye_hits = trace(context, *tree_.next_batch(), counts);
@@ -19,13 +19,13 @@ class WhittedIntegrator : public Integrator {
   /// Returns how many rays met an object.
   size_t trace(const FrameContext& context, Batch& batch, RayCounts& counts) {
     OfPacket<Hit> hits;
-    hits.resize_for_overwrite(batch.rays.size());
-    closest_hits(context.scene, context.pose, batch.rays.span(), hits.data());
+    hits.resize_for_overwrite(batch.rays.size);
+    closest_hits(context.scene, context.pose, batch.rays, hits.data());
     OfPacket<ClassicalSurface> surfaces;
     OfPacket<size_t> ray_of_surface;
-    for (size_t i = 0; i < batch.rays.size(); ++i) {
+    for (size_t i = 0; i < batch.rays.size; ++i) {
       if (!hits[i].is_hit()) {
-        tree_.deliver(batch.branches[i].receiver, eval_background(context.scene, batch.rays[i].direction));
+        tree_.deliver(batch.branches[i].receiver, eval_background(context.scene, batch.rays.direction(i)));
         continue;
       }
       Branch& branch = batch.branches[i];

@@ -118,8 +118,8 @@ double ShadedBall::intensity(const Ray& ray) {
   const SampleId id;
   RayCounts counts;
   Color color;
-  integrator_->trace({compiled_.scene, *pose_, tables_}, std::span(&ray, 1), std::span(&id, 1), counts,
-                     &color);
+  integrator_->trace({compiled_.scene, *pose_, tables_}, RayPacket(std::span(&ray, 1)), std::span(&id, 1),
+                     counts, &color);
   return color.x;
 }
 
