@@ -43,7 +43,7 @@ class Node {
 
   /// Waits for load code.
   JobPlan receive_plan() {
-    for (Backoff backoff; !plan_bytes_; backoff.wait()) poll();
+    for (Backoff backoff; !plan_bytes_; backoff.wait_for(transport_)) poll();
     return decode_plan(*plan_bytes_);
   }
 
@@ -63,7 +63,7 @@ class Node {
         do_item(*worker, *next);
         backoff.reset();
       } else {
-        backoff.wait();
+        backoff.wait_for(transport_);
       }
     }
   }

@@ -1,5 +1,7 @@
 #include "protocol/local_transport.h"
 
+#include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <mutex>
 
@@ -11,6 +13,7 @@ struct Hub {
   explicit Hub(int nodes) : inboxes(static_cast<size_t>(nodes) + 1) {}
   struct Inbox {
     std::mutex mutex;
+    std::condition_variable came;
     std::deque<Message> messages;
   };
   std::vector<Inbox> inboxes;
@@ -23,12 +26,21 @@ class LocalTransport : public Transport {
   }
   int node_count() const override { return static_cast<int>(hub_->inboxes.size()) - 1; }
   bool is_one_process() const override { return true; }
+  void wait_for_message(double longest_s) override {
+    Hub::Inbox& inbox = hub_->inboxes[self_.place()];
+    std::unique_lock lock(inbox.mutex);
+    inbox.came.wait_for(lock, std::chrono::duration<double>(longest_s),
+                        [&] { return !inbox.messages.empty(); });
+  }
 
  protected:
   void do_send(NodeId to, Channel channel, Bytes bytes) override {
     Hub::Inbox& inbox = hub_->inboxes.at(to.place());
-    const std::lock_guard lock(inbox.mutex);
-    inbox.messages.push_back({self_, channel, std::move(bytes)});
+    {
+      const std::lock_guard lock(inbox.mutex);
+      inbox.messages.push_back({self_, channel, std::move(bytes)});
+    }
+    inbox.came.notify_one();
   }
   std::optional<Message> do_try_receive() override {
     Hub::Inbox& inbox = hub_->inboxes[self_.place()];

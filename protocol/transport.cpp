@@ -36,12 +36,19 @@ std::optional<Message> Transport::try_receive() {
   return message;
 }
 
+void Transport::wait_for_message(double longest_s) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(longest_s));
+}
+
 void Backoff::wait() {
+  std::this_thread::sleep_for(std::chrono::duration<double>(next_nap_s()));
+}
+
+double Backoff::next_nap_s() {
   // 20 µs at first, doubling every four waits up to the longest nap: a poll costs a few µs, so an idle
   // process stays far below 1 % of a core, and an answer to a fresh event comes fast.
   const int doublings = std::min(idle_++ / 4, 8);
-  std::this_thread::sleep_for(
-      std::chrono::duration<double>(std::min(20e-6 * (1 << doublings), liveness::kLongestNap_s)));
+  return std::min(20e-6 * (1 << doublings), liveness::kLongestNap_s);
 }
 
 }  // namespace rayfarm

@@ -37,6 +37,8 @@ class Transport {
   void broadcast(Channel channel, const Bytes& bytes);
   /// The next message, if one has come. Malformed commands are counted as one message.
   std::optional<Message> try_receive();
+  /// Sleeps for so long, or until a message comes if the transport can tell.
+  virtual void wait_for_message(double longest_s);
 
   /// When messages were last looked for (see now_s), for other threads to ask.
   double last_turn_s() const { return last_turn_s_; }
@@ -62,8 +64,11 @@ class Backoff {
  public:
   void reset() { idle_ = 0; }
   void wait();
+  /// The same for who waits for messages.
+  void wait_for(Transport& transport) { transport.wait_for_message(next_nap_s()); }
 
  private:
+  double next_nap_s();
   int idle_ = 0;
 };
 

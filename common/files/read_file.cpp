@@ -1,5 +1,8 @@
 #include "common/files/read_file.h"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
@@ -28,36 +31,64 @@ const char* wide_encoding(std::string_view text) {
   return nullptr;
 }
 
+void require_size(const std::string& path, uintmax_t size, uintmax_t most) {
+  if (size > most)
+    throw InputError({path},
+                     fmt::format("the file is larger than {} MiB, the most that is read", most >> 20));
+}
+
+/// The text behind the mark of UTF-8, if it has one.
+std::string_view checked_text(const std::string& path, std::string_view bytes) {
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
+  if (const char* encoding = wide_encoding(bytes))
+    throw InputError({path},
+                     fmt::format("the file is in {0}; save it as UTF-8 (`iconv -f {0} -t UTF-8`)", encoding));
+  return bytes;
+}
+
+[[noreturn]] void fail_reading(const std::string& path) {
+  throw IoError(fmt::format("{}: reading failed: {}", path, std::strerror(errno)));
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
   const RegularFile opened = open_regular_file(path);
-  const auto require_size = [&](uintmax_t size) {
-    if (size > max_bytes)
-      throw InputError({path},
-                       fmt::format("the file is larger than {} MiB, the most that is read", max_bytes >> 20));
-  };
-  require_size(opened.size_bytes);
+  require_size(path, opened.size_bytes, max_bytes);
   std::string text;
   text.reserve(opened.size_bytes);
   std::vector<char> chunk(1 << 20);
   while (const size_t read = std::fread(chunk.data(), 1, chunk.size(), opened.file.get())) {
     throw_if_stopped(stop);
     text.append(chunk.data(), read);
-    require_size(text.size());  // it may have grown
+    require_size(path, text.size(), max_bytes);  // it may have grown
   }
-  if (std::ferror(opened.file.get()))
-    throw IoError(fmt::format("{}: reading failed: {}", path, std::strerror(errno)));
+  if (std::ferror(opened.file.get())) fail_reading(path);
   return text;
 }
 
 std::string read_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
   std::string text = read_file(path, max_bytes, stop);
-  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
-  if (const char* encoding = wide_encoding(text))
-    throw InputError({path},
-                     fmt::format("the file is in {0}; save it as UTF-8 (`iconv -f {0} -t UTF-8`)", encoding));
+  text.erase(0, text.size() - checked_text(path, text).size());
   return text;
+}
+
+FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
+  constexpr size_t kPiece = 4 << 20;
+  const RegularFile opened = open_regular_file(path);
+  require_size(path, opened.size_bytes, max_bytes);
+  FileText result;
+  result.bytes_.reset(static_cast<char*>(allocate_large(opened.size_bytes)));
+  size_t size = 0;
+  for (ssize_t n = 1; n != 0 && size < opened.size_bytes;) {  // what it grows by meanwhile is left out
+    throw_if_stopped(stop);
+    n = read(fileno(opened.file.get()), result.bytes_.get() + size,
+             std::min(kPiece, opened.size_bytes - size));
+    if (n < 0 && errno != EINTR) fail_reading(path);
+    if (n > 0) size += static_cast<size_t>(n);
+  }
+  result.text_ = checked_text(path, {result.bytes_.get(), size});
+  return result;
 }
 
 }  // namespace rayfarm

@@ -5,14 +5,6 @@
 namespace rayfarm {
 namespace {
 
-uint32_t reversed_bits(uint32_t x) {
-  x = x >> 16 | x << 16;
-  x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
-  x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
-  x = (x & 0xccccccccu) >> 2 | (x & 0x33333333u) << 2;
-  return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
-}
-
 /// Owen's scrambling by hashing (Laine and Karras 2011, section 3; Burley 2020, "Practical hash-based Owen
 /// scrambling"): every bit is flipped by a function of the bits below it, so numbers come and go with their
 /// bits reversed.
@@ -73,6 +65,14 @@ std::vector<Vec2> make_poisson(uint32_t samples, uint64_t seed) {
 
 }  // namespace
 
+uint32_t reversed_bits(uint32_t x) {
+  x = x >> 16 | x << 16;
+  x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
+  x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
+  x = (x & 0xccccccccu) >> 2 | (x & 0x33333333u) << 2;
+  return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
+}
+
 Strata make_strata(uint32_t samples) {
   Strata strata{samples, 1};
   for (uint32_t rows = 1; rows * rows <= samples; ++rows)
@@ -93,11 +93,7 @@ Sampler::Sampler(const SamplerSettings& settings, int frame)
 Vec2 Sampler::point(const SampleId& id, uint32_t dimension) const {
   const bool is_screen = dimension == dimension::kScreen;
   // A key for the pixel and the dimension, common to its samples.
-  const auto key = [&] {
-    const auto pixel = uint64_t{static_cast<uint32_t>(id.x)} << 32 | static_cast<uint32_t>(id.y);
-    return mix_bits(mix_bits(pixel ^ seed_bits_) ^
-                    (uint64_t{static_cast<uint32_t>(frame_)} << 32 | dimension));
-  };
+  const auto key = [&] { return mix_bits(pixel_key(id) ^ frame_and_dimension(dimension)); };
   const auto jitter = [&] {
     const auto r = random_pair(seed_, frame_, id, dimension);
     return Vec2(r[0], r[1]);

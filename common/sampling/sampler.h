@@ -25,6 +25,9 @@ struct Strata {
 };
 Strata make_strata(uint32_t samples);
 
+/// From its last to its first.
+uint32_t reversed_bits(uint32_t x);
+
 class Sampler {
  public:
   Sampler(const SamplerSettings& settings, int frame);
@@ -34,6 +37,16 @@ class Sampler {
   Vec2 point(const SampleId& id, uint32_t dimension) const;
 
   int frame() const { return frame_; }
+
+  // What points of several samples at once are made of (sobol-inl.h), where the pattern is Sobol's.
+  bool is_sobol() const { return pattern_ == SamplingPattern::sobol || pattern_ == SamplingPattern::corners; }
+  /// Common to all dimensions of a pixel's samples.
+  uint64_t pixel_key(const SampleId& id) const {
+    return mix_bits((uint64_t{static_cast<uint32_t>(id.x)} << 32 | static_cast<uint32_t>(id.y)) ^ seed_bits_);
+  }
+  uint64_t frame_and_dimension(uint32_t dimension) const {
+    return uint64_t{static_cast<uint32_t>(frame_)} << 32 | dimension;
+  }
 
   /// The most samples that Poisson disks can be laid out for.
   static constexpr uint32_t kMostPoissonSamples = 1024;

@@ -98,7 +98,7 @@ void FarmHost::run() {
     progress_.show(now_s() - begin, result_.pixels_kept, result_.rays.total(),
                    transport_.meter()->total(Command::return_result).bytes, assignment_.nodes_alive());
     if (is_idle) {
-      backoff.wait();
+      backoff.wait_for(transport_);
     } else {
       backoff.reset();
     }
@@ -108,6 +108,7 @@ void FarmHost::run() {
   const double end = now_s();
   result_.times.host_cpu_s = cpu_s() - cpu_begin;
   result_.times.trace_s = (traced > begin ? traced : end) - begin;
+  result_.times.finish_s = end - begin - result_.times.trace_s;
   progress_.show(end - begin, result_.pixels_kept, result_.rays.total(),
                  transport_.meter()->total(Command::return_result).bytes, assignment_.nodes_alive(), true);
   progress_.clear();

@@ -44,6 +44,7 @@ struct FrameResult {
 
 struct JobTimes {
   double load_s = 0, build_s = 0, broadcast_s = 0, trace_s = 0, write_s = 0, total_s = 0;
+  double finish_s = 0;  ///< from the last result to the last file
   double trace_began_unix_s = 0;
   double host_cpu_s = 0;  ///< processor time of the host's process while the net traced
 };

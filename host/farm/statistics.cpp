@@ -55,13 +55,10 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
   j["traffic"]["model_bytes_per_pixel"] = kModelBytesPerPixel;
   j["traffic"]["duplicate_results"] = result.duplicates;
   const JobTimes& t = result.times;
-  j["time_s"] = Json::Object{{"load", t.load_s},
-                             {"build", t.build_s},
-                             {"broadcast", t.broadcast_s},
-                             {"trace", t.trace_s},
-                             {"write", t.write_s},
-                             {"total", t.total_s},
-                             {"trace_began_unix", t.trace_began_unix_s},
+  j["time_s"] = Json::Object{{"load", t.load_s},           {"build", t.build_s},
+                             {"broadcast", t.broadcast_s}, {"trace", t.trace_s},
+                             {"write", t.write_s},         {"finish", t.finish_s},
+                             {"total", t.total_s},         {"trace_began_unix", t.trace_began_unix_s},
                              {"host_cpu", t.host_cpu_s}};
   j["nodes"] = Json::Array();
   for (const NodeResult& n : result.nodes)

@@ -2,7 +2,7 @@
 """Trace time of whole frames against Tachyon and POV-Ray (Debian: tachyon-bin-nox, povray).
 
 One tracing rank against one tracing thread, alternating, the best of several runs each: a machine is noisy, so only the
-ratios mean something. Every program renders the same scene from its own format (write_scenes.py), one ray per pixel,
+ratios mean something. A program that is not installed is left out. Every program renders the same scene from its own format (write_scenes.py), one ray per pixel,
 with shadows and reflections; loading and building are not counted.
 
     tests/bench/whole_frames.py [SCENE ...] [--size 1024] [--runs 5] [--json F]
@@ -14,6 +14,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 
 import write_scenes
@@ -42,10 +43,14 @@ def povray(scene, size, folder):
     return float(re.search(r"Trace Time:.*\(([0-9.]+) seconds\)", text).group(1))
 
 
-def measure(scene, size, runs, folder):
+PROGRAMS = {"rayfarm": rayfarm, "tachyon": tachyon, "povray": povray}
+COMMANDS = {"tachyon": "tachyon-nox", "povray": "povray"}
+PACKAGES = {"tachyon": "tachyon-bin-nox", "povray": "povray"}
+
+
+def measure(scene, size, runs, programs, folder):
     """The best time of each program, in seconds."""
-    write_scenes.write_scene(scene, folder)
-    programs = {"rayfarm": rayfarm, "tachyon": tachyon, "povray": povray}
+    write_scenes.write_scene(scene, folder, list(programs))
     times = {name: [] for name in programs}
     for _ in range(runs):
         for name, run in programs.items():
@@ -63,24 +68,27 @@ def main():
     for name in options.scenes:
         if name not in write_scenes.SCENES:
             parser.error(f"no scene is called '{name}'; there are {', '.join(write_scenes.SCENES)}")
-    for program in ("tachyon-nox", "povray", "mpirun"):
-        if not shutil.which(program):
-            parser.error(f"{program} was not found; apt-get install tachyon-bin-nox povray openmpi-bin")
+    if not shutil.which("mpirun"):
+        parser.error("mpirun was not found; apt-get install openmpi-bin")
     if not os.access(SOURCE / "build/rayfarm", os.X_OK):
         parser.error("build/rayfarm was not found; run deploy/setup first")
+    programs = {name: run for name, run in PROGRAMS.items() if name == "rayfarm" or shutil.which(COMMANDS[name])}
+    left_out = [name for name in PROGRAMS if name not in programs]
+    for name in left_out:
+        print(f"whole_frames: {COMMANDS[name]} was not found and is left out; apt-get install {PACKAGES[name]}", file=sys.stderr)
     results = {}
-    print(f"{'scene':<10} {'rayfarm':>10} {'tachyon':>10} {'povray':>10}   tachyon/rayfarm  povray/rayfarm")
+    print(f"{'scene':<10}" + "".join(f" {name:>10}" for name in programs) + "".join(f"  {name}/rayfarm" for name in programs if name != "rayfarm"))
     for scene in options.scenes or SCENES:
         with tempfile.TemporaryDirectory() as folder:
-            best = results[scene] = measure(scene, options.size, options.runs, pathlib.Path(folder))
-        print(f"{scene:<10} {best['rayfarm']:>8.3f} s {best['tachyon']:>8.3f} s {best['povray']:>8.3f} s "
-              f"{best['tachyon'] / best['rayfarm']:>14.2f} {best['povray'] / best['rayfarm']:>15.2f}", flush=True)
+            best = results[scene] = measure(scene, options.size, options.runs, programs, pathlib.Path(folder))
+        print(f"{scene:<10}" + "".join(f" {best[name]:>8.3f} s" for name in programs)
+              + "".join(f"{best[name] / best['rayfarm']:>{len(name) + 10}.2f}" for name in programs if name != "rayfarm"), flush=True)
     if {"pot", "stadium"} <= results.keys():
-        for name in ("rayfarm", "tachyon", "povray"):
+        for name in programs:
             print(f"{name}: the mesh in the stadium takes {results['stadium'][name] / results['pot'][name]:.2f} times as "
                   "long as the mesh alone")
     if options.json:
-        options.json.write_text(json.dumps({"size_px": options.size, "runs": options.runs, "best_s": results}, indent=1))
+        options.json.write_text(json.dumps({"size_px": options.size, "runs": options.runs, "left_out": left_out, "best_s": results}, indent=1))
 
 
 if __name__ == "__main__":

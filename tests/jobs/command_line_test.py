@@ -379,7 +379,7 @@ class Output(JobTest):
         for command in ("load_code", "load_data", "load_display_polygon", "return_result"):
             self.assertEqual(set(stats["traffic"][command]), {"messages", "bytes"})
             self.assertGreater(stats["traffic"][command]["bytes"], 0)
-        self.assertEqual(set(stats["time_s"]), {"load", "build", "broadcast", "trace", "write", "total", "trace_began_unix", "host_cpu"})
+        self.assertEqual(set(stats["time_s"]), {"load", "build", "broadcast", "trace", "write", "finish", "total", "trace_began_unix", "host_cpu"})
         self.assertEqual([n["id"] for n in stats["nodes"]], [1, 2])
         self.assertEqual(sum(n["subpolygons"] for n in stats["nodes"]), stats["subpolygons"]["columns"] * stats["subpolygons"]["rows"])
         for key in ("subpolygons", "rays", "busy_s", "idle_s"):

@@ -2,50 +2,49 @@
 
 namespace rayfarm {
 
-void reserve_faces(std::span<const uint32_t> sides, bool has_uvs, MeshShape& mesh) {
-  size_t triangles = 0, polygons = 0, corners = 0;
-  for (const uint32_t n : sides) {
-    triangles += n == 3;
-    polygons += n > 3;
-    corners += n > 3 ? n : 0;
-  }
-  mesh.triangles.reserve(triangles);
-  mesh.materials.reserve(triangles);
-  mesh.polygons.sides.reserve(polygons);
-  mesh.polygons.materials.reserve(polygons);
-  mesh.polygons.corners.reserve(corners);
+void resize_faces(MeshShape& mesh, const FacePlace& end) {
+  mesh.triangles.resize(end.triangle);
+  mesh.polygons.sides.resize(end.polygon);
+  mesh.polygons.corners.resize(end.polygon_corner);
   if (mesh.smoothing != Smoothing::flat) {
-    mesh.triangle_normals.reserve(triangles);
-    mesh.polygons.normals.reserve(corners);
+    mesh.triangle_normals.resize(end.triangle);
+    mesh.polygons.normals.resize(end.polygon_corner);
   }
-  if (has_uvs) {
-    mesh.triangle_uvs.reserve(triangles);
-    mesh.polygons.uvs.reserve(corners);
+  if (!mesh.uvs.empty()) {
+    mesh.triangle_uvs.resize(end.triangle);
+    mesh.polygons.uvs.resize(end.polygon_corner);
   }
 }
 
-void add_face(MeshShape& mesh, std::span<const FaceCorner> corners, std::optional<uint32_t> material) {
+void set_face(MeshShape& mesh, FacePlace& place, std::span<const FaceCorner> corners) {
   const bool is_smooth = mesh.smoothing != Smoothing::flat;
   const bool has_normals = std::all_of(corners.begin(), corners.end(),
                                        [](const FaceCorner& corner) { return corner.normal != ~0u; });
   if (corners.size() == 3) {
-    const auto [a, b, c] = std::array{corners[0], corners[1], corners[2]};
-    mesh.triangles.emplace_back(a.point, b.point, c.point);
+    const size_t i = place.triangle++;
+    const FaceCorner &a = corners[0], &b = corners[1], &c = corners[2];
+    mesh.triangles[i] = {a.point, b.point, c.point};
     if (is_smooth)
-      mesh.triangle_normals.push_back(has_normals ? glm::uvec3(a.normal, b.normal, c.normal)
-                                                  : glm::uvec3(~0u));
-    if (!mesh.uvs.empty()) mesh.triangle_uvs.emplace_back(a.uv, b.uv, c.uv);
-    if (material) mesh.materials.push_back(*material);
+      mesh.triangle_normals[i] = has_normals ? glm::uvec3(a.normal, b.normal, c.normal) : glm::uvec3(~0u);
+    if (!mesh.uvs.empty()) mesh.triangle_uvs[i] = {a.uv, b.uv, c.uv};
     return;
   }
   MeshPolygons& polygons = mesh.polygons;
-  polygons.sides.push_back(static_cast<uint32_t>(corners.size()));
-  if (material) polygons.materials.push_back(*material);
+  polygons.sides[place.polygon++] = static_cast<uint32_t>(corners.size());
   for (const FaceCorner& corner : corners) {
-    polygons.corners.push_back(corner.point);
-    if (is_smooth) polygons.normals.push_back(has_normals ? corner.normal : ~0u);
-    if (!mesh.uvs.empty()) polygons.uvs.push_back(corner.uv);
+    const size_t i = place.polygon_corner++;
+    polygons.corners[i] = corner.point;
+    if (is_smooth) polygons.normals[i] = has_normals ? corner.normal : ~0u;
+    if (!mesh.uvs.empty()) polygons.uvs[i] = corner.uv;
   }
+}
+
+void add_face(MeshShape& mesh, std::span<const FaceCorner> corners) {
+  FacePlace place{mesh.triangles.size(), mesh.polygons.sides.size(), mesh.polygons.corners.size()};
+  const bool is_triangle = corners.size() == 3;
+  resize_faces(mesh, {place.triangle + is_triangle, place.polygon + !is_triangle,
+                      place.polygon_corner + (is_triangle ? 0 : corners.size())});
+  set_face(mesh, place, corners);
 }
 
 void average_normals(MeshShape& mesh, const std::stop_token& stop) {

@@ -12,13 +12,21 @@ struct FaceCorner {
   uint32_t uv = 0;        ///< of its uvs, if it has any
 };
 
-/// Makes room for faces of so many corners each.
-void reserve_faces(std::span<const uint32_t> sides, bool has_uvs, MeshShape& mesh);
+/// Where a face goes: how many triangles, other polygons, and corners of these stand before it.
+struct FacePlace {
+  size_t triangle = 0, polygon = 0, polygon_corner = 0;
+};
 
-/// Adds a face of three corners or more, counter-clockwise seen from outside. Every face of a mesh is added
-/// so; its uvs, if it has any, stand in it before. Normals count only if the mesh is smooth and all corners
-/// have one. `material`: of none or of all faces.
-void add_face(MeshShape& mesh, std::span<const FaceCorner> corners, std::optional<uint32_t> material);
+/// Makes room for all faces before `end`; the mesh's uvs, if it has any, stand in it before.
+void resize_faces(MeshShape& mesh, const FacePlace& end);
+
+/// Sets a face of three corners or more, counter-clockwise seen from outside, into the room made for it, and
+/// moves `place` behind it. Normals count only if the mesh is smooth and all corners have one. Faces may be
+/// set by several threads.
+void set_face(MeshShape& mesh, FacePlace& place, std::span<const FaceCorner> corners);
+
+/// The same, behind all faces so far.
+void add_face(MeshShape& mesh, std::span<const FaceCorner> corners);
 
 /// Gives every vertex the average of the normals of all the polygons that contain it (Gouraud; thesis 2.3.5),
 /// and every corner its vertex's. Throws Stopped.

@@ -1,132 +1,209 @@
-// Wavefront OBJ through tinyobjloader. The library takes what it doesn't understand for nothing and cuts
-// names at spaces, so ObjRecords looks at the file before it.
-#include <tiny_obj_loader.h>
-
-#include <filesystem>
-#include <istream>
+// Wavefront OBJ. The text is cut into pieces at lines' ends, which all cores read; the mesh is the same
+// however it is cut.
+#include <algorithm>
 
 #include "common/description/formats/mesh_faces.h"
+#include "common/description/formats/obj_mesh.h"
 #include "common/description/formats/obj_records.h"
 #include "common/description/formats/scene_loaders.h"
-#include "common/description/formats/stoppable_text.h"
 #include "common/files/read_file.h"
+#include "common/parallel/parallel_for.h"
 
 namespace rayfarm {
 namespace {
 
-/// The line of an `f` record, for an error's place.
-int line_of_face(std::string_view text, size_t face) {
-  Records records(text, "", {});
-  size_t seen = 0;
-  while (records.next())
-    if (records.keyword() == "f" && seen++ == face) return records.line_place().line;
-  return 0;
+/// Of text: enough that a thread's start does not count, few enough that all cores end together.
+constexpr size_t kPieceBytes = 1 << 20;
+
+/// How often long loops ask whether to stop.
+constexpr size_t kFacesPerLook = 1 << 12;
+
+bool begins_line(std::string_view text, size_t at) {
+  return at == 0 || text[at - 1] == '\n' || (text[at - 1] == '\r' && text[at] != '\n');
 }
 
-/// What the library finds. Its indices are as the file has them: from 1, below 0 from the end, 0 for none.
-struct Found {
-  MeshShape& mesh;
-  std::vector<tinyobj::index_t> corners;
-  std::vector<uint32_t> sides;  ///< of each face
+/// Joins the pieces of one file to a mesh.
+class MeshJoiner {
+ public:
+  MeshJoiner(std::span<const std::string_view> texts, const std::string& path, const std::stop_token& stop,
+             MeshShape& mesh)
+      : texts_(texts),
+        path_(path),
+        stop_(stop),
+        mesh_(mesh),
+        pieces_(texts.size()),
+        beginnings_(texts.size() + 1) {}
 
-  void add_face(const tinyobj::index_t* indices, size_t count) {
-    const auto from_0 = [](int& index, size_t so_far) {
-      index = index > 0 ? index - 1 : index < 0 ? static_cast<int>(static_cast<int64_t>(so_far) + index) : -1;
-    };
-    for (size_t i = 0; i < count; ++i) {
-      tinyobj::index_t corner = indices[i];
-      from_0(corner.vertex_index, mesh.positions.size());
-      from_0(corner.normal_index, mesh.normals.size());
-      from_0(corner.texcoord_index, mesh.uvs.size());
-      corners.push_back(corner);
-    }
-    sides.push_back(static_cast<uint32_t>(count));
+  void read() {
+    parallel_for(pieces_.size(), [&](size_t i) {
+      try {
+        read_obj_piece(texts_[i], path_, 0, stop_, pieces_[i]);
+      } catch (const InputError&) {
+        pieces_[i].is_broken = true;
+      }
+    });
   }
-};
 
-void read_mesh(const std::string& path, std::string_view text, const std::stop_token& stop, Found& found) {
-  tinyobj::callback_t callback;
-  callback.vertex_cb = [](void* to, float x, float y, float z, float) {
-    static_cast<Found*>(to)->mesh.positions.emplace_back(x, y, z);
+  /// Reads materials, and throws for the first record that is wrong.
+  void add_to(ObjRecords& records) {
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      beginnings_[i].line = records.lines();
+      records.add(pieces_[i]);
+      if (!pieces_[i].is_broken) continue;
+      ObjPiece again;
+      read_obj_piece(texts_[i], path_, beginnings_[i].line, stop_, again);  // throws, knowing its line
+    }
+    records.add_notes();
+  }
+
+  void join(std::span<const ObjRecords::Run> runs) {
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      const ObjPiece& piece = pieces_[i];
+      if (piece.first_bad_position != SIZE_MAX)
+        throw InputError({path_}, fmt::format("vertex {} is not finite or beyond {:g}",
+                                              beginnings_[i].position + piece.first_bad_position + 1,
+                                              limits::kCoordinate));
+      const int line = beginnings_[i + 1].line;
+      Beginning& next = beginnings_[i + 1] = beginnings_[i];
+      next.line = line;
+      next.position += piece.positions.size();
+      next.normal += piece.normals.size();
+      next.uv += piece.uvs.size();
+      next.face += piece.sides.size();
+      for (const uint32_t n : piece.sides) {
+        next.faces.triangle += n == 3;
+        next.faces.polygon += n > 3;
+        next.faces.polygon_corner += n > 3 ? n : 0;
+      }
+    }
+    const Beginning& all = beginnings_.back();
+    mesh_.positions.resize(all.position);
+    mesh_.normals.resize(all.normal);
+    mesh_.uvs.resize(all.uv + (all.uv > 0), glm::vec2(0));  // the last: of corners that have none
+    resize_faces(mesh_, all.faces);
+    mesh_.materials.resize(all.faces.triangle);
+    mesh_.polygons.materials.resize(all.faces.polygon);
+    parallel_for(pieces_.size(), [&](size_t i) {
+      ObjPiece& piece = pieces_[i];
+      const Beginning& at = beginnings_[i];
+      std::copy(piece.positions.begin(), piece.positions.end(),
+                mesh_.positions.begin() + offset(at.position));
+      std::copy(piece.normals.begin(), piece.normals.end(), mesh_.normals.begin() + offset(at.normal));
+      std::copy(piece.uvs.begin(), piece.uvs.end(), mesh_.uvs.begin() + offset(at.uv));
+      join_faces(i, runs);
+      piece = {};
+    });
+  }
+
+ private:
+  /// Where a piece's first elements stand among all.
+  struct Beginning {
+    int line = 0;
+    size_t position = 0, normal = 0, uv = 0, face = 0;
+    FacePlace faces;
   };
-  callback.normal_cb = [](void* to, float x, float y, float z) {
-    static_cast<Found*>(to)->mesh.normals.emplace_back(x, y, z);
-  };
-  callback.texcoord_cb = [](void* to, float u, float v, float) {
-    static_cast<Found*>(to)->mesh.uvs.emplace_back(u, v);
-  };
-  callback.index_cb = [](void* to, tinyobj::index_t* indices, int count) {
-    static_cast<Found*>(to)->add_face(indices, static_cast<size_t>(count));
-  };
-  StoppableText buffer(text, stop);
-  std::istream in(&buffer);
-  in.exceptions(std::ios::badbit);  // what the buffer throws is not swallowed
-  std::string error;
-  if (!tinyobj::LoadObjWithCallback(in, callback, &found, nullptr, nullptr, &error))
-    throw InputError({path}, error.empty() ? "not a readable OBJ file" : error);
-}
+  static ptrdiff_t offset(size_t n) { return static_cast<ptrdiff_t>(n); }
+
+  /// Indices that count from the piece's beginning count from the file's.
+  static void make_absolute(ObjPiece& piece, ObjPiece::Part part, size_t before) {
+    for (const uint32_t corner : piece.relative[part]) {
+      int& index = piece.corners[part][corner];
+      index = static_cast<int>(index + static_cast<int64_t>(before));
+    }
+  }
+
+  void join_faces(size_t i, std::span<const ObjRecords::Run> runs) {
+    ObjPiece& piece = pieces_[i];
+    const Beginning &at = beginnings_[i], &all = beginnings_.back();
+    make_absolute(piece, ObjPiece::position, at.position);
+    make_absolute(piece, ObjPiece::normal, at.normal);
+    make_absolute(piece, ObjPiece::uv, at.uv);
+    const auto index = [&piece](ObjPiece::Part part, size_t corner) {
+      const LargeVector<int>& indices = piece.corners[part];
+      return indices.empty() ? ObjPiece::kNothing : indices[corner];
+    };
+    const auto exists = [](int n, size_t count) { return n >= 0 && static_cast<size_t>(n) < count; };
+    auto run = std::upper_bound(runs.begin(), runs.end(), at.face,
+                                [](size_t face, const ObjRecords::Run& r) { return face < r.first_face; }) -
+               1;
+    FacePlace place = at.faces;
+    std::vector<FaceCorner> corners;
+    size_t first = 0;  // corner of the face
+    for (size_t face = 0; face < piece.sides.size(); first += piece.sides[face++]) {
+      if (face % kFacesPerLook == 0) throw_if_stopped(stop_);
+      while (run + 1 != runs.end() && (run + 1)->first_face <= at.face + face) ++run;
+      const size_t sides = piece.sides[face];
+      const auto fail = [&](const std::string& problem) {
+        throw InputError({path_, line_of_obj_face(texts_[i], face, at.line)}, problem);
+      };
+      if (sides > limits::kPolygonPoints)
+        fail(fmt::format("a face has at most {} corners", limits::kPolygonPoints));
+      corners.clear();
+      for (size_t corner = first; corner < first + sides; ++corner) {
+        const int v = index(ObjPiece::position, corner), n = index(ObjPiece::normal, corner),
+                  uv = index(ObjPiece::uv, corner);
+        if (!exists(v, all.position) || (n >= 0 && !exists(n, all.normal)))
+          fail(fmt::format(
+              "the face names vertex {} and normal {}, but the file has {} vertices and {} normals", v + 1,
+              n + 1, all.position, all.normal));
+        corners.push_back({static_cast<uint32_t>(v), n >= 0 ? static_cast<uint32_t>(n) : ~0u,
+                           static_cast<uint32_t>(exists(uv, all.uv) ? static_cast<size_t>(uv) : all.uv)});
+      }
+      if (sides < 3) continue;
+      (sides == 3 ? mesh_.materials[place.triangle] : mesh_.polygons.materials[place.polygon]) =
+          run->material;
+      set_face(mesh_, place, corners);
+    }
+  }
+
+  std::span<const std::string_view> texts_;
+  const std::string& path_;
+  const std::stop_token& stop_;
+  MeshShape& mesh_;
+  std::vector<ObjPiece> pieces_;
+  std::vector<Beginning> beginnings_;  ///< of each piece, and of the end
+};
 
 }  // namespace
 
-PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& path, uint32_t material,
-                                   Smoothing smoothing, const Place& place, const std::stop_token& stop) {
-  const std::string text = read_text_file(path, limits::kFileBytes, stop);
-  scene.files.push_back(path);
-  ObjRecords records(scene, text, path, material, stop);
+MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const std::string& path,
+                        uint32_t material, Smoothing smoothing, std::span<const size_t> borders,
+                        const std::stop_token& stop) {
+  std::vector<std::string_view> pieces;
+  size_t begin = 0;
+  for (size_t border : borders) {
+    while (border < text.size() && !begins_line(text, border)) ++border;
+    if (border <= begin || border >= text.size()) continue;
+    pieces.push_back(text.substr(begin, border - begin));
+    begin = border;
+  }
+  pieces.push_back(text.substr(begin));
+
   MeshShape mesh;
   mesh.smoothing = smoothing;
-  Found found{mesh, {}, {}};
-  const ObjRecords::Counts& counts = records.counts();
-  mesh.positions.reserve(counts.vertices);
-  mesh.normals.reserve(counts.normals);
-  mesh.uvs.reserve(counts.uvs + 1);
-  found.corners.reserve(counts.corners);
-  found.sides.reserve(counts.faces);
-  read_mesh(path, text, stop, found);
-
-  for (size_t i = 0; i < mesh.positions.size(); ++i)
-    if (!is_finite(Vec3(mesh.positions[i])) || max_magnitude(Vec3(mesh.positions[i])) > limits::kCoordinate)
-      throw InputError({path},
-                       fmt::format("vertex {} is not finite or beyond {:g}", i + 1, limits::kCoordinate));
-  const size_t vertex_count = mesh.positions.size(), normal_count = mesh.normals.size(),
-               uv_count = mesh.uvs.size();
-  if (uv_count > 0) mesh.uvs.emplace_back(0);  // of corners that have none
-  const auto exists = [](int index, size_t count) {
-    return index >= 0 && static_cast<size_t>(index) < count;
-  };
-  reserve_faces(found.sides, uv_count > 0, mesh);
-  std::vector<FaceCorner> corners;
-  const tinyobj::index_t* corner = found.corners.data();
-  for (size_t face = 0; face < found.sides.size(); corner += found.sides[face++]) {
-    throw_if_stopped(stop);
-    const size_t sides = found.sides[face];
-    const uint32_t of_face = records.next_material();
-    if (sides > limits::kPolygonPoints)
-      throw InputError({path, line_of_face(text, face)},
-                       fmt::format("a face has at most {} corners", limits::kPolygonPoints));
-    corners.clear();
-    for (size_t i = 0; i < sides; ++i) {
-      const int v = corner[i].vertex_index, n = corner[i].normal_index, uv = corner[i].texcoord_index;
-      if (!exists(v, vertex_count) || (n >= 0 && !exists(n, normal_count)))
-        throw InputError(
-            {path, line_of_face(text, face)},
-            fmt::format("the face names vertex {} and normal {}, but the file has {} vertices and {} normals",
-                        v + 1, n + 1, vertex_count, normal_count));
-      corners.push_back({static_cast<uint32_t>(v), n >= 0 ? static_cast<uint32_t>(n) : ~0u,
-                         static_cast<uint32_t>(exists(uv, uv_count) ? static_cast<size_t>(uv) : uv_count)});
-    }
-    if (sides >= 3) add_face(mesh, corners, of_face);
-  }
+  MeshJoiner joiner(pieces, path, stop, mesh);
+  joiner.read();
+  ObjRecords records(scene, path, material, stop);
+  joiner.add_to(records);
+  joiner.join(records.runs());
   const size_t face_count = mesh.triangles.size() + mesh.polygons.sides.size();
   if (face_count == 0) throw InputError({path}, "the file has no faces");
   if (face_count > limits::kPrimitives) throw InputError({path}, "the mesh has too many faces");
-
   if (smoothing != Smoothing::flat && mesh.normals.empty()) {
     if (records.has_smoothing_groups())
       scene.notes.add({path}, "`s` is not used: a smooth mesh without normals is smooth everywhere");
     average_normals(mesh, stop);
   }
-  return {std::move(mesh), material, place};
+  return mesh;
+}
+
+PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& path, uint32_t material,
+                                   Smoothing smoothing, const Place& place, const std::stop_token& stop) {
+  const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
+  scene.files.push_back(path);
+  std::vector<size_t> borders;
+  for (size_t at = kPieceBytes; at < file.text().size(); at += kPieceBytes) borders.push_back(at);
+  return {read_obj_mesh(scene, file.text(), path, material, smoothing, borders, stop), material, place};
 }
 
 }  // namespace rayfarm

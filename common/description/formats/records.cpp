@@ -6,16 +6,19 @@
 namespace rayfarm {
 namespace {
 
-constexpr std::string_view kSpace = " \t";
+bool is_space(char c) {
+  return c == ' ' || c == '\t';
+}
 
 }  // namespace
 
 bool Records::next() {
   while (begin_ < text_.size()) {
     if (line_ % 1024 == 0) throw_if_stopped(stop_);
-    const size_t end = std::min(text_.find_first_of("\r\n", begin_), text_.size());
+    size_t end = begin_;
+    while (end < text_.size() && text_[end] != '\n' && text_[end] != '\r') ++end;
     row_ = text_.substr(begin_, end - begin_);
-    begin_ = text_.substr(end).starts_with("\r\n") ? end + 2 : end + 1;
+    begin_ = end + 1 < text_.size() && text_[end] == '\r' && text_[end + 1] == '\n' ? end + 2 : end + 1;
     ++line_;
     at_ = 0;
     keyword_ = word();
@@ -25,12 +28,10 @@ bool Records::next() {
 }
 
 std::string_view Records::peek() {
-  at_ = std::min(row_.find_first_not_of(kSpace, at_), row_.size());
-  return row_.substr(at_, std::min(row_.find_first_of(kSpace, at_), row_.size()) - at_);
-}
-
-bool Records::has_more() {
-  return !peek().empty();
+  while (at_ < row_.size() && is_space(row_[at_])) ++at_;
+  size_t end = at_;
+  while (end < row_.size() && !is_space(row_[end])) ++end;
+  return row_.substr(at_, end - at_);
 }
 
 std::string_view Records::word() {
@@ -43,7 +44,8 @@ std::string_view Records::word() {
 std::string_view Records::rest() {
   peek();
   column_ = static_cast<int>(at_) + 1;
-  const std::string_view taken = row_.substr(at_, row_.find_last_not_of(kSpace) + 1 - at_);
+  std::string_view taken = row_.substr(at_);
+  while (!taken.empty() && is_space(taken.back())) taken.remove_suffix(1);
   at_ = row_.size();
   return taken;
 }

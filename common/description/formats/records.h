@@ -9,27 +9,29 @@
 
 namespace rayfarm {
 
-/// The number that a whole word is, perhaps with a plus before it; nothing if it is none. May be infinite.
+/// The number that a whole word is, perhaps with a plus before it; nothing if it is none. Rounded correctly;
+/// may be infinite.
 std::optional<double> parse_number(std::string_view word);
 
 /// A walk through the words of a text, line by line. Lines end in a line feed, a carriage return or both.
 class Records {
  public:
-  /// `text` must outlive it.
-  Records(std::string_view text, std::string path, std::stop_token stop)
-      : text_(text), path_(std::move(path)), stop_(std::move(stop)) {}
+  /// `text` must outlive it; `lines_before` it stand in the file.
+  Records(std::string_view text, std::string path, std::stop_token stop, int lines_before = 0)
+      : text_(text), path_(std::move(path)), stop_(std::move(stop)), line_(lines_before) {}
 
   /// Goes on to the next line that is neither empty nor a comment and takes its keyword. False at the end.
   /// Throws Stopped.
   bool next();
   std::string_view keyword() const { return keyword_; }
+  int line() const { return line_; }  ///< at the end: how many there are
 
-  bool has_more();          ///< words on this line
-  std::string_view word();  ///< the next one; empty at the line's end
-  std::string_view peek();  ///< the same, without taking it
-  std::string_view rest();  ///< of the line, without the space around it
-  double number();          ///< the next word; throws InputError if it is no finite number
-  bool has_number();        ///< true if the next word begins as a number does
+  bool has_more() { return !peek().empty(); }  ///< words on this line
+  std::string_view word();                     ///< the next one; empty at the line's end
+  std::string_view peek();                     ///< the same, without taking it
+  std::string_view rest();                     ///< of the line, without the space around it
+  double number();                             ///< the next word; throws InputError if it is no finite number
+  bool has_number();                           ///< true if the next word begins as a number does
 
   SourcePlace place() const { return {path_, line_, column_}; }  ///< of the word taken last
   SourcePlace line_place() const { return {path_, line_}; }

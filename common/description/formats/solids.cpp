@@ -117,7 +117,7 @@ class Lathe {
 
   void add(std::vector<FaceCorner>& corners, bool is_reversed) {
     if (is_reversed) std::reverse(corners.begin(), corners.end());
-    add_face(mesh_, corners, {});
+    add_face(mesh_, corners);
   }
 
   std::span<const Vec2> profile_;
@@ -167,12 +167,12 @@ MeshShape make_prism(std::span<const Vec2> polygon, double height) {
     floor.push_back({2 * (n - 1 - i)});
     roof.push_back({2 * i + 1});
   }
-  add_face(mesh, floor, {});
-  add_face(mesh, roof, {});
+  add_face(mesh, floor);
+  add_face(mesh, roof);
   for (uint32_t i = 0; i < n; ++i) {
     const uint32_t next = (i + 1) % n;
     const std::array<FaceCorner, 4> wall{{{2 * i}, {2 * next}, {2 * next + 1}, {2 * i + 1}}};
-    add_face(mesh, wall, {});
+    add_face(mesh, wall);
   }
   return mesh;
 }

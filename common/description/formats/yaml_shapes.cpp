@@ -120,7 +120,7 @@ std::vector<Shape> read_faces(const YamlValue& value, const char* key, size_t le
       corners.push_back({point, has_normals ? point : ~0u});
     }
     if (corners.size() < least_corners || corners.size() > most_corners) face.fail(advice);
-    add_face(mesh, corners, {});
+    add_face(mesh, corners);
   }
   if (mesh.smoothing != Smoothing::flat && !has_normals) average_normals(mesh, value.stop());
   return {std::move(mesh)};

@@ -34,4 +34,7 @@ std::unique_ptr<Integrator> make_integrator(LightingModel model);
 using MakeIntegrator = std::unique_ptr<Integrator>();
 MakeIntegrator make_phong, make_torrance_sparrow, make_whitted, make_thesis, make_path;
 
+/// make_path's model, every path by itself: what the tests compare with.
+MakeIntegrator make_path_one_by_one;
+
 }  // namespace rayfarm

@@ -1,8 +1,11 @@
 // The rendering equation without bias: paths that scatter as the materials do, a shadow ray to one source at
 // each turn, both weighted by multiple importance sampling (Veach 1997), ended by Russian roulette. The
 // reference for the other lighting models. Ambient light, their stand-in for what paths find, is left out.
+#include <bit>
+
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/integrator.h"
+#include "common/lighting/integrators/path_lanes.h"
 #include "common/lighting/light_choice.h"
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
@@ -26,58 +29,123 @@ struct Path {
 };
 static_assert(std::is_trivially_copyable_v<Path>);
 
-/// Up to kMostPacketRays paths go on together; what becomes of one does not depend on the others.
+/// Up to kMostPacketRays paths go on together; what becomes of one does not depend on the others. Those whose
+/// surfaces allow it take their steps in lanes at once, the others one by one, and no bit of a colour tells
+/// which.
 class PathTracer {
  public:
-  PathTracer(const FrameContext& context, RayCounts& counts, Color* colors)
-      : scene_(context.scene),
+  PathTracer(const FrameContext& context, bool is_in_lanes, RayCounts& counts, Color* colors)
+      : context_(context),
+        scene_(context.scene),
         pose_(context.pose),
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
+        is_in_lanes_(is_in_lanes),
         counts_(counts),
         colors_(colors) {}
 
-  /// `spread`: of the rays' cones. Returns how many rays met an object.
-  size_t trace(const RayPacket& rays, std::span<const SampleId> ids, double spread) {
-    rays_ = rays;
+  /// Returns how many rays met an object.
+  size_t trace(const RayPacket& rays, std::span<const SampleId> ids) {
+    ids_ = ids;
+    columns_.rays = rays;
     for (size_t i = 0; i < rays.size; ++i) {
       colors_[i] = Color(0);
-      Path path;
+      Path& path = paths_.emplace_back();
       path.place = static_cast<uint32_t>(i);
       path.id = ids[i];
-      path.spread = spread;
-      paths_.push_back(path);
+      path.spread = context_.spread;
+      columns_.places[i] = path.place;
+      columns_.pixel_keys[i] = sampler_.pixel_key(ids[i]);
+      columns_.reversed_samples[i] = reversed_bits(ids[i].sample);
+      set_lane(columns_.throughput, i, path.throughput);
+      columns_.pdf[i] = path.pdf;
     }
-    while (!rays_.empty()) step();
+    for (; !columns_.rays.empty(); ++depth_) step();
     return eye_hits_;
   }
 
  private:
   void step() {
+    const size_t count = columns_.rays.size;
     OfPacket<Hit> hits;
-    hits.resize_for_overwrite(rays_.size);
-    closest_hits(scene_, pose_, rays_, hits.data());
-    shadow_rays_.clear();
-    shadow_colors_.clear();
-    size_t kept = 0;
-    for (size_t i = 0; i < rays_.size; ++i) {
-      Ray ray = rays_[i];
-      Path path = paths_[i];
-      if (!visit(path, ray, hits[i])) continue;
-      rays_.set(kept, ray.origin, ray.direction);
-      paths_[kept++] = path;
+    hits.resize_for_overwrite(count);
+    closest_hits(scene_, pose_, columns_.rays, hits.data());
+    columns_.clear_sets();
+    shadows_.rays.clear();
+    LaneSet together = 0, go_on = 0;
+    if (is_in_lanes_) {
+      LaneSet met = eval_surfaces(scene_, pose_, columns_.rays, hits.data(), columns_.surfaces);
+      if (depth_ >= settings_.max_depth) met = 0;
+      for (; met != 0; met &= met - 1) {
+        const auto lane = static_cast<size_t>(std::countr_zero(met));
+        if (prepare(lane, hits[lane])) together |= LaneSet{1} << lane;
+      }
     }
-    rays_.size = kept;
-    paths_.resize_for_overwrite(kept);
-    if (shadow_rays_.empty()) return;
-    counts_[RayKind::shadow] += shadow_rays_.size;
-    const uint32_t blocked = any_hits(scene_, pose_, shadow_rays_);
-    for (size_t i = 0; i < shadow_rays_.size; ++i)
-      if (!(blocked >> i & 1)) colors_[shadow_colors_[i].place] += shadow_colors_[i].color;
+    if (together != 0) go_on = visit_together(together);
+    for (size_t lane = 0; lane < count; ++lane)
+      if (!(together >> lane & 1) && visit_alone(lane, hits[lane])) go_on |= LaneSet{1} << lane;
+    columns_.keep(go_on);
+    if (shadows_.rays.empty()) return;
+    counts_[RayKind::shadow] += shadows_.rays.size;
+    const uint32_t blocked = any_hits(scene_, pose_, shadows_.rays);
+    for (size_t i = 0; i < shadows_.rays.size; ++i)
+      if (!(blocked >> i & 1)) colors_[shadows_.places[i]] += lane_of(shadows_.colors, i);
+  }
+
+  /// A path's step by itself.
+  bool visit_alone(size_t lane, const Hit& hit) {
+    Path& path = paths_[columns_.places[lane]];
+    path.depth = depth_;
+    path.throughput = lane_of(columns_.throughput, lane);
+    path.pdf = columns_.pdf[lane];
+    Ray ray = columns_.rays[lane];
+    Surface surface;
+    if (hit.is_hit())
+      surface = is_in_lanes_ ? columns_.surfaces[lane] : eval_surface(scene_, pose_, ray, hit);
+    if (!visit(path, ray, hit, surface)) return false;
+    set_lane(columns_.throughput, lane, path.throughput);
+    columns_.pdf[lane] = path.pdf;
+    columns_.rays.set(lane, ray.origin, ray.direction);
+    return true;
+  }
+
+  /// Sets what a step in lanes needs. False if the path must go alone: nothing has happened to it then.
+  bool prepare(size_t lane, const Hit& hit) {
+    Path& path = paths_[columns_.places[lane]];
+    if (!columns_.set_material(scene_, lane, path.media)) return false;
+    const LaneSet bit = LaneSet{1} << lane;
+    if (path.reflections < settings_.max_reflections) columns_.can_reflect |= bit;
+    if (path.transmissions < settings_.max_transmissions) columns_.can_transmit |= bit;
+    if (depth_ == 1) ++eye_hits_;
+    path.width += hit.t * path.spread;
+    if (!path.media.is_in_air())
+      set_lane(columns_.throughput, lane,
+               lane_of(columns_.throughput, lane) * path.media.transmittance(scene_, hit.t));
+    return true;
+  }
+
+  /// The steps of the lanes that are prepared. Returns those whose paths go on.
+  LaneSet visit_together(LaneSet lanes) {
+    const PathStep step =
+        step_in_lanes({context_, ids_, depth_, depth_ >= kFirstRoulette}, lanes, columns_, shadows_);
+    for (LaneSet rest = step.go_on; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<size_t>(std::countr_zero(rest));
+      Path& path = paths_[columns_.places[lane]];
+      if (step.is_diffuse >> lane & 1) path.spread = kDiffuseSpread;
+      const bool is_transmitted = step.is_transmitted >> lane & 1;
+      ++(is_transmitted ? path.transmissions : path.reflections);
+      if (is_transmitted && (columns_.dielectrics >> lane & 1))
+        path.media.cross(columns_.surfaces.material[lane], columns_.surfaces.is_front(lane));
+    }
+    const auto count = [](LaneSet set) { return static_cast<size_t>(std::popcount(set)); };
+    counts_[RayKind::transmitted] += count(step.is_transmitted);
+    counts_[RayKind::diffuse] += count(step.is_diffuse);
+    counts_[RayKind::reflected] += count(step.go_on & ~(step.is_transmitted | step.is_diffuse));
+    return step.go_on;
   }
 
   /// Adds what the path finds where it hits, and turns `ray` into what follows. False: the path ends.
-  bool visit(Path& path, Ray& ray, const Hit& hit) {
+  bool visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
     if (!hit.is_hit()) {
       Color light = path.throughput * eval_background(scene_, ray.direction);
       if (path.pdf > 0 && scene_.head().environment != kNone)
@@ -87,7 +155,6 @@ class PathTracer {
       return false;
     }
     if (path.depth == 1) ++eye_hits_;
-    Surface surface = eval_surface(scene_, pose_, ray, hit);
     path.width += hit.t * path.spread;
     Material with_texture;
     const Material* chosen = &scene_.materials[surface.material];
@@ -202,14 +269,7 @@ class PathTracer {
     if (&followed != &lobes)
       color += path.throughput * (scattered.value - shared.value) * sample.incident / probability;
     const Vec3 origin = surface.ray_origin(sample.to_light);
-    shadow_rays_.push_back(origin, sample.target - origin, 1);
-    shadow_colors_.push_back({path.place, color});
-  }
-
-  /// The power heuristic for one sample of each of two densities (Veach 1997, section 9.2.4).
-  static double balance(double used, double other) {
-    const double ratio = other / used;
-    return 1 / (1 + ratio * ratio);
+    shadows_.push_back(origin, sample.target - origin, color, path.place);
   }
 
   bool survives(Path& path, double u) const {
@@ -222,36 +282,43 @@ class PathTracer {
     return true;
   }
 
-  /// What a shadow ray brings if nothing is in its way.
-  struct ShadowColor {
-    uint32_t place;  ///< of the path's eye ray
-    Color color;
-  };
-
+  const FrameContext& context_;
   const Scene& scene_;
   const Pose& pose_;
   const RenderSettings& settings_;
   const Sampler& sampler_;
+  bool is_in_lanes_;
   RayCounts& counts_;
   Color* colors_;  ///< of the eye rays
   size_t eye_hits_ = 0;
-  RayPacket rays_, shadow_rays_;
-  OfPacket<Path> paths_;
-  OfPacket<ShadowColor> shadow_colors_;
+  std::span<const SampleId> ids_;
+  uint32_t depth_ = 1;    ///< of all paths: each step adds one
+  OfPacket<Path> paths_;  ///< by place; throughput and pdf stand in the columns
+  PathColumns columns_;   ///< in the order of the rays
+  ShadowColumns shadows_;
 };
 
 class PathIntegrator : public Integrator {
+ public:
+  explicit PathIntegrator(bool is_in_lanes) : is_in_lanes_(is_in_lanes) {}
+
  private:
   size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
-    return PathTracer(context, counts, colors).trace(rays, ids, context.spread);
+    return PathTracer(context, is_in_lanes_, counts, colors).trace(rays, ids);
   }
+
+  bool is_in_lanes_;
 };
 
 }  // namespace
 
 std::unique_ptr<Integrator> make_path() {
-  return std::make_unique<PathIntegrator>();
+  return std::make_unique<PathIntegrator>(true);
+}
+
+std::unique_ptr<Integrator> make_path_one_by_one() {
+  return std::make_unique<PathIntegrator>(false);
 }
 
 }  // namespace rayfarm

@@ -48,7 +48,7 @@ MeshShape make_football(Smoothing smoothing) {
     sort_around(places, points);
     std::vector<FaceCorner> corners;
     for (const uint32_t i : places) corners.push_back({i});
-    add_face(mesh, corners, {});
+    add_face(mesh, corners);
   };
   for (size_t a = 0; a < n; ++a) {
     std::vector<uint32_t> pentagon;

@@ -1,0 +1,151 @@
+// OBJ files are read in pieces by all cores; the mesh, the notes and the errors are those of one piece.
+#include <numeric>
+
+#include "common/description/formats/obj_mesh.h"
+#include "tests/unit/test_scene.h"
+
+namespace rayfarm {
+namespace {
+
+struct Read {
+  MeshShape mesh;
+  std::vector<std::string> notes;
+  std::vector<std::string> materials;
+  std::string error;
+};
+
+Read read(const std::string& text, const std::vector<size_t>& borders,
+          Smoothing smoothing = Smoothing::phong) {
+  SceneDescription scene;
+  scene.materials.emplace_back("default");
+  Read result;
+  try {
+    result.mesh = read_obj_mesh(scene, text, test::write_temporary("pieces.obj", ""), 0, smoothing, borders);
+  } catch (const InputError& e) {
+    result.error = e.what();
+  }
+  result.notes = scene.notes.lines();
+  for (const MaterialDescription& m : scene.materials) result.materials.push_back(m.name);
+  return result;
+}
+
+void expect_same(const Read& a, const Read& b) {
+  EXPECT_EQ(a.error, b.error);
+  EXPECT_EQ(a.notes, b.notes);
+  EXPECT_EQ(a.materials, b.materials);
+  if (!a.error.empty()) return;
+  EXPECT_EQ(a.mesh.positions, b.mesh.positions);
+  EXPECT_EQ(a.mesh.normals, b.mesh.normals);
+  EXPECT_EQ(a.mesh.uvs, b.mesh.uvs);
+  EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
+  EXPECT_EQ(a.mesh.triangle_normals, b.mesh.triangle_normals);
+  EXPECT_EQ(a.mesh.triangle_uvs, b.mesh.triangle_uvs);
+  EXPECT_EQ(a.mesh.materials, b.mesh.materials);
+  EXPECT_EQ(a.mesh.polygons.sides, b.mesh.polygons.sides);
+  EXPECT_EQ(a.mesh.polygons.corners, b.mesh.polygons.corners);
+  EXPECT_EQ(a.mesh.polygons.normals, b.mesh.polygons.normals);
+  EXPECT_EQ(a.mesh.polygons.uvs, b.mesh.polygons.uvs);
+  EXPECT_EQ(a.mesh.polygons.materials, b.mesh.polygons.materials);
+}
+
+/// Every byte as a border, and all of them at once: a piece a line.
+void expect_same_however_cut(const std::string& text) {
+  const Read whole = read(text, {});
+  std::vector<size_t> all(text.size());
+  std::iota(all.begin(), all.end(), 0u);
+  expect_same(whole, read(text, all));
+  for (const size_t border : all) {
+    SCOPED_TRACE(border);
+    expect_same(whole, read(text, {border}));
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+const std::string kAll =
+    "# all that a file may say\r\nmtllib pieces.mtl\n\nv 0 0 0\nv 1 0 0\r\nv  1\t1 0 1\rv 0 1 0 1 .5 .5 .5\n"
+    "vt 0 0\nvt 1\nvn 0 0 1\nvn 0 0 -1\ns 1\ng a b\nusemtl red\nf 1 2 3\nf 1/1/1 2/2/1 3//1 4\n"
+    "usemtl green\nf -4 -3 -1\nf 1//-1 2//-2 3//-1\nstrange thing\nf 1 2\nf \nv 2 2 2e-1\r\r\ns off\n"
+    "usemtl none\nf -1 1 2\n  f 1/-1 2/2 3/1\nf 1 2 3 4 5\nstrange again\nf -5//1 -4//1 -3//1";
+
+TEST(ObjPieces, EveryByteMayBeABorder) {
+  test::write_temporary("pieces.mtl", "newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\nodd 1\n");
+  const Read whole = read(kAll, {});
+  EXPECT_EQ(whole.error, "");
+  EXPECT_EQ(whole.mesh.triangles.size(), 6u);
+  EXPECT_EQ(whole.mesh.triangles[1], glm::uvec3(0, 1, 3)) << "-4 -3 -1 of four vertices";
+  EXPECT_EQ(whole.mesh.triangles[3], glm::uvec3(4, 0, 1)) << "-1 of five";
+  EXPECT_EQ(whole.mesh.triangle_normals[2], glm::uvec3(1, 0, 1));
+  EXPECT_EQ(whole.mesh.polygons.sides, (LargeVector<uint32_t>{4, 5}));
+  EXPECT_EQ(whole.mesh.materials, (LargeVector<uint32_t>{1, 2, 2, 0, 0, 0}));
+  EXPECT_EQ(whole.notes.size(), 5u) << "odd; a colour; strange, twice; f 1 2, and f; material none";
+  expect_same_however_cut(kAll);
+}
+
+TEST(ObjPieces, WhatIsWrongIsFoundAtItsLineHoweverTheFileIsCut) {
+  const std::string good = "v 0 0 0\r\nv 1 0 0\rv 0 1 0\nf 1 2 3\n";
+  test::write_temporary("wrong.mtl", "newmtl a\nKd 1 0\n");
+  for (const auto& [wrong, message] : std::vector<std::pair<std::string, std::string>>{
+           {"v 1 x 2\n" + good, "pieces.obj:5:5: expected a finite number, found 'x'"},
+           {"f 1 2 3/\nv 1\n", "pieces.obj:5:7: expected a corner"},
+           {"f 1 2 0\n", "pieces.obj:5:7: expected a corner"},
+           {"v 1 2 1e39\n", "pieces.obj:5:7: the number is beyond"},
+           {"v 1 2 2e15\n" + good, "vertex 4 is not finite or beyond 1e+15"},
+           {good + "f 1 2 7\nf 1 2 9\n",
+            "pieces.obj:9: the face names vertex 7 and normal 0, but the file has 6"},
+           {"f 1 2 -4\n", "pieces.obj:5: the face names vertex 0"},
+           {"mtllib wrong.mtl\nv y\n", "wrong.mtl:2:"},
+           {"v y\nmtllib wrong.mtl\n", "pieces.obj:5:3:"},
+           {"\nmtllib missing.mtl\nv y\n", "pieces.obj:6:8:"},
+           {std::string("f 1 2 3\0 1\n", 11), "pieces.obj:5:7: expected a corner"},
+           {std::string("v 1 2 \0003\n", 9), "pieces.obj:5:7: expected a finite number"}}) {
+    const std::string text = good + wrong;
+    SCOPED_TRACE(wrong);
+    EXPECT_NE(read(text, {}).error.find(message), std::string::npos) << read(text, {}).error;
+    expect_same_however_cut(text);
+  }
+  expect_same_however_cut("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  expect_same_however_cut("\r\n\r");
+  expect_same_however_cut("");
+  expect_same_however_cut(std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\n\0\0 1\nf 1 2 3\n", 36));
+}
+
+TEST(ObjPieces, LinesMayBeLongerThanPieces) {
+  std::string text = "# " + std::string(3 << 20, '#') + "\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf";
+  constexpr size_t kCorners = 400'000;  // 2.4 MB
+  for (size_t i = 0; i < kCorners; ++i) text += i % 2 ? " 1 " : " -4 ";
+  text += "\nf 1 2 3";
+  test::write_temporary("long.obj", text);
+  const SceneDescription scene = test::load_yaml(test::view_text() + "scene: [{mesh: {file: long.obj}}]\n");
+  const auto& mesh = std::get<MeshShape>(scene.objects[scene.root].primitives[0].shape);
+  EXPECT_EQ(mesh.polygons.sides, LargeVector<uint32_t>{kCorners});
+  EXPECT_EQ(mesh.triangles, LargeVector<glm::uvec3>{glm::uvec3(0, 1, 2)});
+}
+
+TEST(ObjPieces, AFileOfSeveralPiecesIsTheMeshOfOne) {
+  std::string text;
+  for (int i = 0; i < 60'000; ++i)
+    text += fmt::format("v {} {:.6f} {:e}\n{}f {} {} {}\n", i, i * 0.37, i * 1.7e-3,
+                        i % 7000 == 0 ? "usemtl a\n" : "", i + 1, i % 3 ? -1 : 1, 60'000 - i);
+  ASSERT_GT(text.size(), size_t{2 << 20}) << "two pieces at least";
+  test::write_temporary("many.obj", text);
+  const SceneDescription scene =
+      test::load_yaml(test::view_text() + "scene: [{mesh: {file: many.obj, smooth: phong}}]\n");
+  const auto& mesh = std::get<MeshShape>(scene.objects[scene.root].primitives[0].shape);
+  const Read whole = read(text, {});
+  EXPECT_TRUE(mesh.positions == whole.mesh.positions && mesh.triangles == whole.mesh.triangles &&
+              mesh.normals == whole.mesh.normals && mesh.materials == whole.mesh.materials);
+}
+
+TEST(ObjPieces, NumbersAreRoundedCorrectly) {
+  const Read read_numbers = read(
+      "v 1e-05 0.1 +16777217\nv .3333333333333333 -7.0064923216240854e-46 1\n"
+      "v 3.4028234663852886e38 1 1\nf 1 2 1\n",
+      {});
+  EXPECT_NE(read_numbers.error.find("vertex 3"), std::string::npos) << "a float, but beyond 1e15";
+  const Read small = read("v 1e-05 0.1 +16777219\nv .3333333333333333 1e-45 1.\nf 1 2 1\n", {});
+  EXPECT_EQ(small.mesh.positions[0], glm::vec3(1e-05f, 0.1f, 16777220.0f));
+  EXPECT_EQ(small.mesh.positions[1], glm::vec3(1.0f / 3, std::numeric_limits<float>::denorm_min(), 1));
+}
+
+}  // namespace
+}  // namespace rayfarm
