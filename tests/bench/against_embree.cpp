@@ -61,9 +61,23 @@ void compare_rays(benchmark::State& state, size_t rays, const Tracer& ours, cons
   if (differing > kMostHitsDiffer) state.SkipWithError("the two do not hit the same");
 }
 
+/// Another program's hierarchy over a scene: made where it is needed first, then kept.
+template <typename Hierarchy>
+class Peer {
+ public:
+  explicit Peer(std::function<std::unique_ptr<Hierarchy>()> make) : make_(std::move(make)) {}
+  Hierarchy& get() {
+    if (!made_) made_ = make_();
+    return *made_;
+  }
+
+ private:
+  std::function<std::unique_ptr<Hierarchy>()> make_;
+  std::unique_ptr<Hierarchy> made_;
+};
+
 void compare_with_embree(benchmark::State& state, const Subject& subject, const RaySet& set,
-                         RTCSceneFlags flags, bool in_packets) {
-  const EmbreeScene embree(subject.scene(), flags);
+                         const EmbreeScene& embree, bool in_packets) {
   const std::vector<RTCRay> rays = embree_rays(set);
   const auto trace_ours = in_packets ? &trace_packets : &trace;
   const Pose pose = subject.frame->at(0);
@@ -142,30 +156,31 @@ benchmark::internal::Benchmark* add(const std::string& name, Function function) 
 }
 
 void add_benchmarks(const Subject& subject) {
+  const Scene& scene = subject.scene();
+  const auto embree = [&](RTCSceneFlags flags) {
+    return std::make_shared<Peer<EmbreeScene>>(
+        [&, flags] { return std::make_unique<EmbreeScene>(scene, flags); });
+  };
+  const auto plain = embree(RTC_SCENE_FLAG_NONE), robust = embree(RTC_SCENE_FLAG_ROBUST);
   for (const RaySet& set : subject.sets)
-    for (const auto& [mode, flags, in_packets] : {std::tuple{"default", RTC_SCENE_FLAG_NONE, false},
-                                                  {"robust", RTC_SCENE_FLAG_ROBUST, false},
-                                                  {"packets", RTC_SCENE_FLAG_NONE, true}})
+    for (const auto& [mode, peer, in_packets] :
+         {std::tuple{"default", plain, false}, {"robust", robust, false}, {"packets", plain, true}})
       add(fmt::format("{}/{}/{}", subject.name, set.name, mode),
-          [&, flags = flags, in_packets = in_packets](benchmark::State& state) {
-            compare_with_embree(state, subject, set, flags, in_packets);
+          [&, peer = peer, in_packets = in_packets](benchmark::State& state) {
+            compare_with_embree(state, subject, set, peer->get(), in_packets);
           });
-  if (const std::string obstacle = obstacle_to_tinybvh(subject.scene()); !obstacle.empty()) {
+  if (const std::string obstacle = obstacle_to_tinybvh(scene); !obstacle.empty()) {
     fmt::print(stderr, "against_embree: {}: without tinybvh: {}\n", subject.name, obstacle);
   } else {
     for (const auto& [mode, build] :
          {std::pair{"tinybvh", TinyBvhBuild::sah}, {"tinybvh_splits", TinyBvhBuild::spatial_splits}}) {
-      const auto tinybvh =
-          std::make_shared<std::unique_ptr<TinyBvhScene>>();  // made where it is needed first
+      const auto peer = std::make_shared<Peer<TinyBvhScene>>([&, build = build] {
+        return std::make_unique<TinyBvhScene>(
+            geometry_of(scene, scene.parts[scene.instances[0].part]).triangle_vertices, build);
+      });
       for (const RaySet& set : subject.sets)
         add(fmt::format("{}/{}/{}", subject.name, set.name, mode),
-            [&, build = build, tinybvh](benchmark::State& state) {
-              const Scene& scene = subject.scene();
-              if (!*tinybvh)
-                *tinybvh = std::make_unique<TinyBvhScene>(
-                    geometry_of(scene, scene.parts[scene.instances[0].part]).triangle_vertices, build);
-              compare_with_tinybvh(state, subject, set, **tinybvh);
-            });
+            [&, peer](benchmark::State& state) { compare_with_tinybvh(state, subject, set, peer->get()); });
     }
   }
   add(subject.name + "/build", [&](benchmark::State& state) {

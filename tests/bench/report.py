@@ -16,11 +16,11 @@ import re
 import subprocess
 import sys
 
-from wanted import KINDS, SHORT, geometric_mean, rays_of, wanted_table
+from wanted import KINDS, SHORT, TINYBVH, geometric_mean, name_of_tinybvh, rays_of, wanted_table
 
 MODES = {"default": "one ray at a time", "robust": "one ray at a time, Embree ROBUST",
          "packets": "Rayfarm in packets of 8, Embree one ray at a time",
-         "tinybvh": "one ray at a time, against tinybvh's BVH8_CPU", "tinybvh_splits": "the same, tinybvh built with spatial splits"}
+         "tinybvh": f"one ray at a time, against {TINYBVH}", "tinybvh_splits": "the same, built with spatial splits"}
 MOST_HITS_DIFFER = 1e-4
 
 
@@ -116,9 +116,8 @@ def ray_tables(machines, out):
             continue
         columns = [(results, kind) for results in those for kind in KINDS]
         names = [kind + (f" ({results['letter']})" if len(machines) > 1 else "") for results, kind in columns]
-        versions = [f"{results['letter']}: {results.get('tinybvh', 'unknown')}" for results in those if mode.startswith("tinybvh")]
-        version = f"tinybvh's version: {'; '.join(versions)}.\n\n" if versions else ""
-        out.append(f"\n### {title}\n\n{version}| scene | " + " | ".join(names) + " |\n|---|" + "---:|" * len(columns))
+        title = title.replace(TINYBVH, name_of_tinybvh(those))
+        out.append(f"\n### {title}\n\n| scene | " + " | ".join(names) + " |\n|---|" + "---:|" * len(columns))
         for scene in scenes:
             found = [results["rays"].get(scene, {}).get(kind, {}).get(mode) for results, kind in columns]
             if any(found):

@@ -5,6 +5,7 @@ as many (value, note)s, or None for what was not measured there.
 """
 import math
 
+TINYBVH = "tinybvh's BVH8_CPU"
 KINDS = ["primary", "diffuse", "shadow"]
 SHORT = " ▼"
 
@@ -57,7 +58,7 @@ TABLE = [
     ("– the worst scene", (1.0,) * 3, True, worst_ratio("default")),
     ("single rays against Embree ROBUST (watertight, as Rayfarm always is)", (1.4,) * 3, True, mean_ratio("robust")),
     ("packets of 8 against Embree's single rays", (2.2, 1.15, 1.8), True, mean_ratio("packets")),
-    ("single rays against tinybvh's BVH8_CPU by surface areas: the worst scene", (1.15,) * 3, True, worst_ratio("tinybvh")),
+    (f"single rays against {TINYBVH} by surface areas: the worst scene", (1.15,) * 3, True, worst_ratio("tinybvh")),
     ("– built with spatial splits: the worst scene", (1.15,) * 3, True, worst_ratio("tinybvh_splits")),
     ("whole frames against Tachyon: room, pot, mesh70k, balls, mesh1m", (2.5, 4, 5, 8, 8), True,
      frame_ratio("tachyon", ("room", "pot", "mesh70k", "balls", "mesh1m"))),
@@ -94,6 +95,12 @@ def cell(values, limits, more_is_better):
     return ", ".join(texts), short
 
 
+def name_of_tinybvh(machines):
+    """Honest about a header that is not the original: that one names its version."""
+    rewritten = any(results.get("tinybvh", "").startswith("a reimplementation") for results in machines)
+    return f"a reimplementation of {TINYBVH}" if rewritten else TINYBVH
+
+
 def wanted_table(machines):
     """Lines of Markdown, and for each machine (values measured, values that fall short)."""
     lines = ["| | wanted |" + "".join(f" {results['letter']} |" for results in machines), "|---|---|" + "---|" * len(machines)]
@@ -108,5 +115,6 @@ def wanted_table(machines):
             measured[i] += sum(v is not None for v in values)
             short[i] += misses
             cells.append(text)
+        title = title.replace(TINYBVH, name_of_tinybvh(machines))
         lines.append(f"| {title} | {sign} {wanted} | " + " | ".join(cells) + " |")
     return lines, list(zip(measured, short))

@@ -1,4 +1,5 @@
 #include <random>
+#include <thread>
 
 #include "protocol/block_codec.h"
 #include "protocol/build_identity.h"
@@ -17,6 +18,14 @@ TEST(CommandWord, TwoBitsOfCodeFourteenOfProcessor) {
   for (unsigned bits = 0; bits < 65536; bits += 37)
     EXPECT_EQ(encode_word(decode_word(static_cast<uint16_t>(bits))), bits);
   EXPECT_THROW(encode_word({Command::load_code, 16384}), ProtocolError);
+}
+
+TEST(LocalTransport, AMessageEndsTheWaitForIt) {
+  const auto ends = make_local_transports(1);
+  std::jthread host([&] { ends[0]->send(NodeId(1), AskPresent{}); });
+  while (!ends[1]->try_receive()) ends[1]->wait_for_message(600);  // the test's limit is 120 s
+  ends[1]->wait_for_message(0.001);                                // nothing comes: the time passes
+  EXPECT_FALSE(ends[1]->try_receive());
 }
 
 TEST(Messages, SizesAreTheThesiss) {
