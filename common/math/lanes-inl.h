@@ -56,7 +56,7 @@ struct Real2 {
 /// Copied a component at a time: as one piece of memory it would not stay in registers.
 struct Real3 {
   Real x, y, z;
-  HWY_INLINE Real3() {}
+  Real3() = default;
   HWY_INLINE Real3(Real x_, Real y_, Real z_) : x(x_), y(y_), z(z_) {}
   HWY_INLINE Real3(const Real3& v) : x(v.x), y(v.y), z(v.z) {}
   HWY_INLINE Real3& operator=(const Real3& v) {

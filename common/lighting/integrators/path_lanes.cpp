@@ -209,7 +209,10 @@ class LanesStep {
       set_lane(incident, i, sample.incident);
       pdf[i] = sample.pdf;
     }
-    result = {load3(to_light, 0), load3(target, 0), load3(incident, 0), hn::Load(d, pdf)};
+    result.to_light = load3(to_light, 0);
+    result.target = load3(target, 0);
+    result.incident = load3(incident, 0);
+    result.pdf = hn::Load(d, pdf);
   }
 
   /// Where a ray in `direction` starts; as Surface::ray_origin.
