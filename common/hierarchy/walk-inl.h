@@ -11,7 +11,7 @@
 #include <bit>
 
 #include "common/hierarchy/leaf_tests-inl.h"
-#include "common/hierarchy/rays-inl.h"
+#include "common/hierarchy/packets-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
