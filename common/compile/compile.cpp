@@ -170,7 +170,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   weigh_lights(arrays);
 
   CompiledScene result;
-  result.block = encode_scene(view_of(arrays));
+  result.block = encode_scene(std::move(arrays));
   result.scene = decode_scene(result.block.bytes());
   result.notes = description.notes;
   parts.add_notes(result.notes);

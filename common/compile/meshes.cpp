@@ -45,6 +45,9 @@ class SharedPoints {
 
 void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh) {
   const auto first_normal = static_cast<uint32_t>(arrays_.normals.size());
+  make_room(arrays_.normals, mesh.normals.size());
+  make_room(arrays_.triangle_shading, mesh.triangles.size());
+  if (!mesh.triangles.empty()) part.begin_mesh(mesh.positions, mesh.triangles);
   for (const glm::vec3& n : mesh.normals) arrays_.normals.emplace_back(normalized(Vec3(n)));
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (i % kFacesPerLook == 0) throw_if_stopped(stop_);
@@ -59,8 +62,11 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
         shading.normals[k] = first_normal + mesh.triangle_normals[i][static_cast<int>(k)];
     }
     const size_t before = arrays_.triangle_shading.size();
-    add_triangle(part, {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading, p.place);
-    if (mesh.triangle_uvs.empty() || arrays_.triangle_shading.size() == before) continue;
+    const auto id =
+        add_triangle({mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading, p.place);
+    if (!id) continue;
+    part.add_mesh_triangle(*id, i);
+    if (mesh.triangle_uvs.empty()) continue;
     arrays_.triangle_uvs.resize(3 * before, kNoUv);  // of meshes before that have none
     for (int k = 0; k < 3; ++k) arrays_.triangle_uvs.push_back(mesh.uvs[mesh.triangle_uvs[i][k]]);
   }
@@ -105,7 +111,8 @@ void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescriptio
         TriangleShading shading{material, smoothing, {kNone, kNone, kNone}};
         for (size_t v = 0; is_smooth && v < 3; ++v) shading.normals[v] = normal_of(cut[k][v]);
         const size_t before = arrays_.triangle_shading.size();
-        add_triangle(part, triangles[k], shading, p.place);
+        if (const auto id = add_triangle(triangles[k], shading, p.place))
+          part.add_triangle(*id, triangles[k]);
         if (polygons.uvs.empty()) continue;
         arrays_.triangle_uvs.resize(3 * before, kNoUv);
         for (const uint32_t corner : cut[k])

@@ -15,7 +15,7 @@ class PartSource : public PrimitiveSource {
   size_t size() const override { return part_.ids.size(); }
 
   Box bounds(uint32_t primitive) const override {
-    if (part_.triangle_of[primitive] != kNone) {
+    if (part_.is_triangle(primitive)) {
       Box box;
       for (const Vec3& v : triangle(primitive)) box.grow(v);
       return box;
@@ -39,7 +39,7 @@ class PartSource : public PrimitiveSource {
   }
 
   Box clipped(uint32_t primitive, const Box& cell) const override {
-    if (part_.triangle_of[primitive] != kNone) return clipped_bounds(triangle(primitive), cell);
+    if (part_.is_triangle(primitive)) return clipped_bounds(triangle(primitive), cell);
     const PrimitiveId id = part_.ids[primitive];
     switch (id.kind()) {
       case PrimitiveKind::triangle:
@@ -61,7 +61,7 @@ class PartSource : public PrimitiveSource {
 
  private:
   std::array<Vec3, 3> triangle(uint32_t primitive) const {
-    const TriangleVertices& t = part_.triangles[part_.triangle_of[primitive]];
+    const TriangleVertices t = part_.triangle(primitive);
     return {Vec3(t[0]), Vec3(t[1]), Vec3(t[2])};
   }
   std::span<const Vec3> points(PrimitiveId id) const {
@@ -82,6 +82,9 @@ Part build_part(SceneArrays<GrowingArray>& arrays, const PartPrimitives& primiti
   part.first_sphere_block = static_cast<uint32_t>(arrays.sphere_blocks.size());
   part.first_leaf_primitive = static_cast<uint32_t>(arrays.leaf_primitives.size());
   const PartSource source(arrays, primitives);
+  // Leaves are half full or more; rooms that stay empty take no memory.
+  make_room(arrays.triangle_blocks, primitives.ids.size() / 4 + 1);
+  make_room(arrays.nodes, primitives.ids.size() / 16 + 1);
   LeafArrays leaves{arrays.nodes, arrays.triangle_blocks, arrays.sphere_blocks, arrays.leaf_primitives};
   part.root = build_hierarchy(
       source, options,

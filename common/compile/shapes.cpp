@@ -48,20 +48,20 @@ void ShapeCompiler::count(Others& others, const Place& place) {
   if (others.count++ == 0) others.first = place;
 }
 
-void ShapeCompiler::add_triangle(PartPrimitives& part, const TriangleVertices& v,
-                                 const TriangleShading& shading, const Place& place) {
+std::optional<PrimitiveId> ShapeCompiler::add_triangle(const TriangleVertices& v,
+                                                       const TriangleShading& shading, const Place& place) {
   const Vec3 a(v[0]), b(v[1]), c(v[2]);
   if (max_magnitude(glm::cross(b - a, c - a)) == 0) {
     count(dropped_, place);
-    return;
+    return std::nullopt;
   }
   const PrimitiveId id =
       make_primitive_id(PrimitiveKind::triangle, static_cast<uint32_t>(arrays_.triangle_shading.size()));
-  part.add_triangle(id, v);
   arrays_.triangle_shading.push_back(shading);
   note_shading(shading.smoothing, shading.material, place);
   if (is_luminous(shading.material))
     luminaires_.add_triangles({id, place, shading.material}, std::span(&v, 1));
+  return id;
 }
 
 void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, const SphereShape& sphere) {
@@ -114,8 +114,9 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
         shading.normals[i] = static_cast<uint32_t>(arrays_.normals.size());
         arrays_.normals.emplace_back(normalized(shape.normals[i]));
       }
-    add_triangle(part, {glm::vec3(shape.points[0]), glm::vec3(shape.points[1]), glm::vec3(shape.points[2])},
-                 shading, p.place);
+    const TriangleVertices v{glm::vec3(shape.points[0]), glm::vec3(shape.points[1]),
+                             glm::vec3(shape.points[2])};
+    if (const auto id = add_triangle(v, shading, p.place)) part.add_triangle(*id, v);
     return;
   }
   Polygon polygon;

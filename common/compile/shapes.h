@@ -30,8 +30,9 @@ class ShapeCompiler {
   void add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh);  // meshes.cpp
   void add_polygons(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh,
                     uint32_t first_normal);
-  void add_triangle(PartPrimitives& part, const TriangleVertices& v, const TriangleShading& shading,
-                    const Place& place);
+  /// Nothing if the triangle has no area: no ray can hit it.
+  std::optional<PrimitiveId> add_triangle(const TriangleVertices& v, const TriangleShading& shading,
+                                          const Place& place);
   void add_quadric(PartPrimitives& part, const PrimitiveDescription& p, Quadric quadric,
                    std::span<const Vec4> planes);
   bool is_luminous(uint32_t material) const;

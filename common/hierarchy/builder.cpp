@@ -1,5 +1,7 @@
 #include "common/hierarchy/builder.h"
 
+#include "common/parallel/parallel_for.h"
+
 namespace rayfarm {
 PrimitiveReference make_reference(uint32_t primitive, const Box& box) {
   return {{round_down(box.lo.x), round_down(box.lo.y), round_down(box.lo.z)},
@@ -12,10 +14,13 @@ ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& opti
                          const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes) {
   if (source.size() == 0) return {};
   LargeVector<PrimitiveReference> references(source.size());
-  for (uint32_t i = 0; i < references.size(); ++i) {
-    if (i % (1 << 16) == 0) throw_if_stopped(options.stop);
-    references[i] = make_reference(i, source.bounds(i));
-  }
+  constexpr size_t kPiece = 1 << 14;
+  parallel_for((references.size() + kPiece - 1) / kPiece, [&](size_t piece) {
+    throw_if_stopped(options.stop);
+    const size_t end = std::min(references.size(), (piece + 1) * kPiece);
+    for (size_t i = piece * kPiece; i < end; ++i)
+      references[i] = make_reference(static_cast<uint32_t>(i), source.bounds(static_cast<uint32_t>(i)));
+  });
   if (options.progress) options.progress->total += references.size();
   if (options.structure == Structure::list) return make_leaf(references);
   const auto build = options.rule == SplitRule::sah ? build_sah : build_thesis;

@@ -49,16 +49,16 @@ struct alignas(16) Bounds {
   }
 };
 
-/// A node of the binary tree over references [first, first + count). The left child is the next node; the
-/// right one stands behind the 2 left_count - 1 nodes that the left one can need.
+/// cost[i]: of the best forest of at most i trees that holds a node's references.
+using Costs = std::array<float, kSlots + 1>;
+
+/// A node of the binary tree over references [first, first + count). 64 bytes.
 struct BinaryNode {
   Bounds bounds;
   uint32_t first, count;
-  uint32_t left_count;  ///< 0: not split
-  bool is_leaf;         ///< one leaf costs less than children do
-  /// cost[i]: of the best forest of at most i trees that holds the node's references; split[i]: how many of
-  /// those trees are the left child's, 0 if one tree less is as good.
-  std::array<float, kSlots + 1> cost;
+  uint32_t left;  ///< the right child is the next one; 0: not split
+  bool is_leaf;   ///< one leaf costs less than children do
+  /// split[i]: how many of the best forest's i trees are the left child's, 0 if one tree less is as good.
   std::array<uint8_t, kSlots + 1> split;
 };
 
@@ -204,84 +204,81 @@ class SahBuilder {
     return true;
   }
 
-  void split(size_t index, const Range& range, int depth, int task_levels) {
+  /// Returns the node's costs.
+  Costs split(uint32_t index, const Range& range, int depth, int task_levels) {
     if (range.count >= kLeastPerLook) throw_if_stopped(stop_);
     BinaryNode& node = binary_[index];
     node.bounds = range.bounds;
     node.first = range.first;
     node.count = range.count;
-    node.left_count = 0;
+    node.left = 0;
     Range left, right;
     const bool is_small =
         range.count <= most_in_leaf_ && !(range.bounds.area() > kLargeLeaf * binary_[0].bounds.area());
     if (range.count > 1 && !is_small && divide(range, depth, left, right)) {
-      node.left_count = left.count;
-      const auto split_left = [&] { split(left_of(index), left, depth + 1, task_levels - 1); };
+      node.left = next_.fetch_add(2);
+      const auto split_left = [&] { return split(node.left, left, depth + 1, task_levels - 1); };
       if (task_levels > 0 && range.count >= kLeastPerTask) {
         // Deferred to `get` where the system refuses a thread.
         auto other = std::async(std::launch::async | std::launch::deferred, split_left);
-        split(right_of(index), right, depth + 1, task_levels - 1);
-        other.get();  // throws what the other thread threw
-      } else {
-        split_left();
-        split(right_of(index), right, depth + 1, 0);
+        const Costs right_costs = split(node.left + 1, right, depth + 1, task_levels - 1);
+        return plan(node, other.get(), right_costs);  // throws what the other thread threw
       }
-    } else if (progress_) {
-      progress_->done += range.count;
+      const Costs left_costs = split_left();
+      return plan(node, left_costs, split(node.left + 1, right, depth + 1, 0));
     }
-    plan(index);
+    if (progress_) progress_->done += range.count;
+    Costs costs;
+    costs.fill(leaf_cost(node));
+    node.is_leaf = true;
+    node.split.fill(0);
+    return costs;
   }
 
-  size_t left_of(size_t index) const { return index + 1; }
-  size_t right_of(size_t index) const { return index + 2 * size_t{binary_[index].left_count}; }
-
-  /// Fills the node's costs from its children's.
-  void plan(size_t index) {
-    BinaryNode& node = binary_[index];
+  static float area_of(const BinaryNode& node) {
     // A box without area, all on a line, must cost something too.
-    const float area = node.bounds.area() + std::numeric_limits<float>::min();
-    const float leaf_cost = area * work(node.count);
-    if (node.left_count == 0) {
-      node.is_leaf = true;
-      node.cost.fill(leaf_cost);
-      node.split.fill(0);
-      return;
-    }
-    const BinaryNode &left = binary_[left_of(index)], &right = binary_[right_of(index)];
+    return node.bounds.area() + std::numeric_limits<float>::min();
+  }
+  static float leaf_cost(const BinaryNode& node) { return area_of(node) * work(node.count); }
+
+  /// The costs of a node that is split, from its children's.
+  Costs plan(BinaryNode& node, const Costs& left, const Costs& right) const {
+    Costs costs{};
     for (size_t slots = 2; slots <= kSlots; ++slots) {
-      node.cost[slots] = std::numeric_limits<float>::infinity();
+      costs[slots] = std::numeric_limits<float>::infinity();
       for (size_t k = 1; k < slots; ++k) {
-        const float cost = left.cost[k] + right.cost[slots - k];
-        if (cost < node.cost[slots]) {
-          node.cost[slots] = cost;
+        const float cost = left[k] + right[slots - k];
+        if (cost < costs[slots]) {
+          costs[slots] = cost;
           node.split[slots] = static_cast<uint8_t>(k);
         }
       }
     }
-    const float inner_cost = node.cost[kSlots] + area * kNodeCost;
-    node.is_leaf = node.count <= most_in_leaf_ && leaf_cost <= inner_cost;
-    node.cost[1] = node.is_leaf ? leaf_cost : inner_cost;
+    const float inner_cost = costs[kSlots] + area_of(node) * kNodeCost;
+    node.is_leaf = node.count <= most_in_leaf_ && leaf_cost(node) <= inner_cost;
+    costs[1] = node.is_leaf ? leaf_cost(node) : inner_cost;
     node.split[1] = 0;
     for (size_t slots = 2; slots < kSlots; ++slots)
-      if (node.cost[slots - 1] <= node.cost[slots]) {
-        node.cost[slots] = node.cost[slots - 1];
+      if (costs[slots - 1] <= costs[slots]) {
+        costs[slots] = costs[slots - 1];
         node.split[slots] = 0;
       }
+    return costs;
   }
 
   struct Children {
-    std::array<size_t, kSlots> nodes;
+    std::array<uint32_t, kSlots> nodes;
     size_t count = 0;
   };
-  void gather(size_t index, size_t slots, Children& children) const {
+  void gather(uint32_t index, size_t slots, Children& children) const {
     const BinaryNode& node = binary_[index];
     while (slots > 1 && node.split[slots] == 0) --slots;
     if (slots == 1) {
       children.nodes[children.count++] = index;
       return;
     }
-    gather(left_of(index), node.split[slots], children);
-    gather(right_of(index), slots - node.split[slots], children);
+    gather(node.left, node.split[slots], children);
+    gather(node.left + 1, slots - node.split[slots], children);
   }
 
   /// Joins the pieces of a primitive that met again in one leaf.
@@ -303,13 +300,24 @@ class SahBuilder {
     return leaf.first(kept + 1);
   }
 
-  ChildRef emit(size_t index) {
+  /// Leaves come in the order of their references, which go when many have become leaves.
+  ChildRef emit_leaf(const BinaryNode& node) {
+    constexpr size_t kMany = size_t{4} << 20;  // bytes
+    const ChildRef leaf = make_leaf_(without_repeats(std::span(references_).subspan(node.first, node.count)));
+    const size_t done = size_t{node.first} + node.count;
+    if ((done - released_) * sizeof(PrimitiveReference) >= kMany) {
+      release_pages(&references_[released_], (done - released_) * sizeof(PrimitiveReference));
+      released_ = done;
+    }
+    return leaf;
+  }
+
+  ChildRef emit(uint32_t index) {
     const BinaryNode& node = binary_[index];
-    if (node.is_leaf)
-      return make_leaf_(without_repeats(std::span(references_).subspan(node.first, node.count)));
+    if (node.is_leaf) return emit_leaf(node);
     Children children;
-    gather(left_of(index), node.split[kSlots], children);
-    gather(right_of(index), kSlots - node.split[kSlots], children);
+    gather(node.left, node.split[kSlots], children);
+    gather(node.left + 1, kSlots - node.split[kSlots], children);
     const auto result = static_cast<uint32_t>(nodes_.size());
     nodes_.push_back(make_empty_node());
     for (size_t slot = 0; slot < children.count; ++slot) {
@@ -326,6 +334,8 @@ class SahBuilder {
     void operator()(BinaryNode* nodes) const { free_large(nodes); }
   };
   std::unique_ptr<BinaryNode[], Free> binary_;
+  std::atomic<uint32_t> next_ = 1;  ///< of binary_
+  size_t released_ = 0;             ///< references
   size_t most_in_leaf_;
   const LeafMaker& make_leaf_;
   LargeVector<VolumeNode>& nodes_;

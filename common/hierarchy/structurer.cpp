@@ -1,5 +1,7 @@
 #include "common/hierarchy/structurer.h"
 
+#include <algorithm>
+
 namespace rayfarm {
 namespace {
 
@@ -19,7 +21,7 @@ ChildRef pack_triangles(std::span<const uint32_t> primitives, const PartPrimitiv
     block.primitives.fill(kNoPrimitive);
     for (size_t lane = 0; lane < kLanes && begin + lane < primitives.size(); ++lane) {
       const uint32_t primitive = primitives[begin + lane];
-      const TriangleVertices& vertices = part.triangles[part.triangle_of[primitive]];
+      const TriangleVertices vertices = part.triangle(primitive);
       for (size_t v = 0; v < 3; ++v)
         for (size_t axis = 0; axis < 3; ++axis)
           block.vertices[v][axis][lane] = vertices[v][static_cast<int>(axis)];
@@ -52,12 +54,23 @@ ChildRef pack_spheres(std::span<const uint32_t> primitives, const PartPrimitives
 
 }  // namespace
 
+TriangleVertices PartPrimitives::triangle(uint32_t primitive) const {
+  const uint32_t place = triangle_of_[primitive];
+  if (!(place & kOfMesh)) return triangles_[place];
+  const uint32_t i = place & ~kOfMesh;
+  const auto mesh = std::upper_bound(meshes_.begin(), meshes_.end(), i,
+                                     [](uint32_t n, const Mesh& m) { return n < m.first; }) -
+                    1;
+  const glm::uvec3& t = mesh->triangles[i - mesh->first];
+  return {mesh->positions[t.x], mesh->positions[t.y], mesh->positions[t.z]};
+}
+
 ChildRef pack_leaf(std::span<const PrimitiveReference> references, const PartPrimitives& part,
                    std::span<const SphereRecord> spheres, LeafArrays& arrays) {
   std::array<std::vector<uint32_t>, 3> groups;  // what is tested as triangles, spheres, all others
   std::array<Box, 3> boxes;
   for (const PrimitiveReference& r : references) {
-    const size_t group = part.triangle_of[r.primitive] != kNone                  ? 0
+    const size_t group = part.is_triangle(r.primitive)                           ? 0
                          : part.ids[r.primitive].kind() == PrimitiveKind::sphere ? 1
                                                                                  : 2;
     groups[group].push_back(r.primitive);

@@ -37,16 +37,16 @@ void find_closest_of_packet(const Scene& scene, const Pose& pose, const RayPacke
     hits[i].t = rays.t_max[i];
     searches[i] = ClosestHit(scene, hits[i]);
   }
-  search_for_packet(scene, pose, rays, searches.data());
+  search_for_packet(scene, pose, rays, rays.all(), searches.data());
   for (size_t i = 0; i < rays.size; ++i) searches[i].finish();
 }
 
-uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacket& rays) {
+uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among) {
   std::array<AnyHit, kPacketRays> searches;
-  for (size_t i = 0; i < rays.size; ++i) searches[i] = AnyHit(scene, rays.t_max[i]);
-  search_for_packet(scene, pose, rays, searches.data());
+  for (size_t i = 0; i < kPacketRays; ++i) searches[i] = AnyHit(scene, rays.t_max[i]);
+  search_for_packet(scene, pose, rays, among, searches.data());
   uint32_t hits = 0;
-  for (size_t i = 0; i < rays.size; ++i) hits |= static_cast<uint32_t>(searches[i].is_over()) << i;
+  for (size_t i = 0; i < kPacketRays; ++i) hits |= static_cast<uint32_t>(searches[i].is_over()) << i;
   return hits;
 }
 
@@ -91,8 +91,8 @@ void closest_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, H
   HWY_DYNAMIC_DISPATCH(find_closest_of_packet)(scene, pose, rays, hits);
 }
 
-uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays) {
-  return HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays);
+uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among) {
+  return HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays, among);
 }
 
 Hit closest_hit_brute_force(const Scene& scene, const Pose& pose, const Ray& ray) {

@@ -321,24 +321,28 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
   }
 }
 
+/// For the rays that are `among` these bits, one at least.
 template <typename Search>
-HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, const RayPacket& rays,
+HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among,
                                   Search* searches) {
-  if (rays.size == 1) {
-    search_for_one(scene, pose, PreparedRay(rays[0]), searches[0]);
+  if ((among & (among - 1)) == 0) {
+    const auto i = static_cast<size_t>(std::countr_zero(among));
+    search_for_one(scene, pose, PreparedRay(rays[i]), searches[i]);
     return;
   }
   RayPacket filled_up;
-  if (!rays.is_full()) copy_wanted(rays, (1u << rays.size) - 1, filled_up);
-  const RayPacket& all = rays.is_full() ? rays : filled_up;
+  if (among != kAllRays) copy_wanted(rays, among, filled_up);
+  const RayPacket& all = among == kAllRays ? rays : filled_up;
   Bundle<Search> bundle;
   bundle.scene = &scene;
   bundle.searches = searches;
-  bundle.held = (1u << rays.size) - 1;
+  bundle.held = among;
   Packet packet;
-  if (!packet.join(all, bundle.held, bundle.rays.data())) {
-    for (size_t i = 0; i < rays.size; ++i)
+  if (!packet.join(all, among, bundle.rays.data())) {
+    for (; among; among &= among - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(among));
       search_for_one(scene, pose, PreparedRay(packet.alone(i), bundle.rays[i]), searches[i]);
+    }
     return;
   }
   PacketWalker<Search> walker(packet, bundle);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 
 #include "common/image/half_float.h"
 #include "common/math/portable_math.h"
@@ -21,15 +22,15 @@ namespace {
 
 /// How bytes are found without a power: made once, before main.
 struct SrgbTable {
-  /// The first guess is the byte at the lower end of one of these equal steps; at most a few bytes lie in a
-  /// step.
+  /// The first guess is the byte at the lower end of one of these equal steps. They are shorter than the
+  /// least distance of thresholds, 1 / (255 × 12.92), so the byte is that or the next one.
   static constexpr size_t kSteps = 4096;
-  std::array<double, 255> thresholds;  ///< [i]: the smallest linear value that rounds to byte i + 1
+  std::array<double, 256> thresholds;  ///< [i]: the smallest linear value that rounds to byte i + 1; ∞
   std::array<uint8_t, kSteps> guesses;
 
   SrgbTable() {
-    for (size_t i = 0; i < thresholds.size(); ++i)
-      thresholds[i] = decode_srgb((static_cast<double>(i) + 0.5) / 255);
+    for (size_t i = 0; i < 255; ++i) thresholds[i] = decode_srgb((static_cast<double>(i) + 0.5) / 255);
+    thresholds[255] = std::numeric_limits<double>::infinity();
     for (size_t i = 0; i < kSteps; ++i)
       guesses[i] = static_cast<uint8_t>(
           std::upper_bound(thresholds.begin(), thresholds.end(), static_cast<double>(i) / kSteps) -
@@ -41,11 +42,10 @@ const SrgbTable srgb;
 }  // namespace
 
 uint8_t encode_srgb8(double linear) {
-  if (!(linear > 0)) return 0;
-  if (linear >= 1) return 255;
-  size_t byte = srgb.guesses[static_cast<size_t>(linear * SrgbTable::kSteps)];
-  while (byte < srgb.thresholds.size() && srgb.thresholds[byte] <= linear) ++byte;
-  return static_cast<uint8_t>(byte);
+  // Comparisons that become no branches: no one could predict them.
+  const double positive = linear > 0 ? linear : 0, in_range = positive < 1 ? positive : 1 - 0x1p-53;
+  const uint8_t guess = srgb.guesses[static_cast<size_t>(in_range * SrgbTable::kSteps)];
+  return static_cast<uint8_t>(guess + static_cast<uint8_t>(srgb.thresholds[guess] <= in_range));
 }
 
 void encode_values(PixelFormat format, std::span<const double> values, std::byte* out) {

@@ -58,8 +58,8 @@ struct LocalSurfaceLanes {
 };
 
 /// What primitives tell in their objects' space.
-HWY_INLINE LocalSurfaceLanes eval_local(const SurfaceInputs& in, const Real3& p, const SomeLanes& lanes) {
-  LocalSurfaceLanes s;
+HWY_INLINE void eval_local(const SurfaceInputs& in, const Real3& p, const SomeLanes& lanes,
+                           LocalSurfaceLanes& s) {
   s.magnitude = lanes.load(in.magnitude);
   s.geometric_normal = lanes.load(in.normal);
   const Truth is_polygon = lanes(in.polygons);
@@ -86,15 +86,15 @@ HWY_INLINE LocalSurfaceLanes eval_local(const SurfaceInputs& in, const Real3& p,
                     lanes.load(in.weights[2]) * lanes.load(in.normals[2]);
     s.shading_normal = select(is_smooth, lanes.normalized(n, is_smooth), s.shading_normal);
   }
-  return s;
 }
 
-HWY_INLINE LocalSurfaceLanes eval_in_world(const SurfaceInputs& in, const Real3& p, const SomeLanes& lanes) {
-  if (!lanes.any(in.moved)) return eval_local(in, p, lanes);
+HWY_INLINE void eval_in_world(const SurfaceInputs& in, const Real3& p, const SomeLanes& lanes,
+                              LocalSurfaceLanes& s) {
+  if (!lanes.any(in.moved)) return eval_local(in, p, lanes, s);
   const Truth is_moved = lanes(in.moved);
   const Real3 x = lanes.load(in.object_from_world[0]), y = lanes.load(in.object_from_world[1]),
               z = lanes.load(in.object_from_world[2]), translation = lanes.load(in.object_from_world[3]);
-  LocalSurfaceLanes s = eval_local(in, select(is_moved, p.x * x + p.y * y + p.z * z + translation, p), lanes);
+  eval_local(in, select(is_moved, p.x * x + p.y * y + p.z * z + translation, p), lanes, s);
   const auto turned = [&](const Real3& n) HWY_ATTR {
     return select(is_moved, lanes.normalized({dot(x, n), dot(y, n), dot(z, n)}, is_moved), n);
   };
@@ -103,7 +103,6 @@ HWY_INLINE LocalSurfaceLanes eval_in_world(const SurfaceInputs& in, const Real3&
   s.magnitude =
       select(is_moved, hn::Max(lanes.load(in.three_times_matrix) * s.magnitude, lanes.load(in.translation)),
              s.magnitude);
-  return s;
 }
 
 void finish_surfaces(const SurfaceInputs& in, const RayPacket& rays, Surfaces& out) {
@@ -111,7 +110,8 @@ void finish_surfaces(const SurfaceInputs& in, const RayPacket& rays, Surfaces& o
     const Real3 origin = lanes.load(rays.origins), direction = lanes.load(rays.directions);
     const Real t = lanes.load(in.t);
     const Real3 p = origin + t * direction;
-    const LocalSurfaceLanes s = eval_in_world(in, p, lanes);
+    LocalSurfaceLanes s;
+    eval_in_world(in, p, lanes, s);
     const Real of_ray =
         hn::Max(max_magnitude(p), hn::Max(max_magnitude(origin), t * max_magnitude(direction)));
     const Truth is_behind = hn::Lt(dot(s.shading_normal, s.geometric_normal), hn::Zero(RealTag()));

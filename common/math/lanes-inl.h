@@ -53,8 +53,18 @@ HWY_INLINE Real at_least_0(Real x) {
 struct Real2 {
   Real x, y;
 };
+/// Copied a component at a time: as one piece of memory it would not stay in registers.
 struct Real3 {
   Real x, y, z;
+  Real3() = default;
+  HWY_INLINE Real3(Real x_, Real y_, Real z_) : x(x_), y(y_), z(z_) {}
+  HWY_INLINE Real3(const Real3& v) : x(v.x), y(v.y), z(v.z) {}
+  HWY_INLINE Real3& operator=(const Real3& v) {
+    x = v.x;
+    y = v.y;
+    z = v.z;
+    return *this;
+  }
 };
 HWY_INLINE Real3 operator+(const Real3& a, const Real3& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};

@@ -37,6 +37,8 @@ struct RayPacket {
   bool empty() const { return size == 0; }
   bool is_full() const { return size == kMostPacketRays; }
   void clear() { size = 0; }
+  /// Bits of its rays.
+  uint32_t all() const { return (1u << size) - 1; }
   /// There must be room.
   void push_back(const Vec3& origin, const Vec3& direction,
                  double farthest = std::numeric_limits<double>::infinity()) {

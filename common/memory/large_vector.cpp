@@ -1,6 +1,7 @@
 #include "common/memory/large_vector.h"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
@@ -18,6 +19,13 @@ void* allocate_large(size_t bytes) {
   if (!memory) throw std::bad_alloc();
   if (alignment == kHugePage) madvise(memory, rounded, MADV_HUGEPAGE);  // refused: then pages are small
   return memory;
+}
+
+void release_pages(void* begin, size_t bytes) {
+  const auto page = static_cast<uintptr_t>(sysconf(_SC_PAGESIZE));
+  const uintptr_t first = (reinterpret_cast<uintptr_t>(begin) + page - 1) / page * page,
+                  end = (reinterpret_cast<uintptr_t>(begin) + bytes) / page * page;
+  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
 }
 
 void free_large(void* memory) {

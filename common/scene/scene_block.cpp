@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cereal/archives/portable_binary.hpp>
 #include <cereal/types/string.hpp>
 #include <cereal/types/vector.hpp>
 #include <cstring>
-#include <new>
 #include <sstream>
 
 #include "common/scene/animation.h"
@@ -42,6 +42,49 @@ size_t aligned(size_t n) {
   throw SceneBlockError(what);
 }
 
+/// A block of the arrays; copy(to, array) copies the elements of each.
+template <typename Arrays, typename Copy>
+SceneBlock encode(Arrays& arrays, Copy copy) {
+  std::vector<ArrayEntry> table;
+  size_t end = aligned(sizeof(Prefix));
+  for_each_array(arrays, [&](const char* name, const auto& array) {
+    using T = std::remove_cvref_t<decltype(array[0])>;
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= kAlignment);
+    table.push_back({name, end, array.size(), sizeof(T)});
+    end = aligned(end + array.size() * sizeof(T));
+  });
+  std::ostringstream out;
+  {
+    cereal::PortableBinaryOutputArchive archive(out);
+    archive(table);
+  }
+  const std::string table_bytes = out.str();
+  const Prefix prefix{kMagic, aligned(end + table_bytes.size()), end, table_bytes.size()};
+  SceneBlock block;
+  block.size = prefix.total_bytes;
+  block.data.reset(static_cast<std::byte*>(allocate_large(block.size)));
+  std::byte* const data = block.data.get();
+  size_t written = 0;
+  const auto go_to = [&](size_t at) {  // gaps are zero: equal scenes are equal bytes
+    std::memset(data + written, 0, at - written);
+    written = at;
+  };
+  std::memcpy(data, &prefix, sizeof prefix);
+  written = sizeof prefix;
+  size_t i = 0;
+  for_each_array(arrays, [&](const char*, auto& array) {
+    const ArrayEntry& entry = table[i++];
+    go_to(entry.offset);
+    copy(data + entry.offset, array);
+    written += entry.count * entry.stride;
+  });
+  go_to(prefix.table_offset);
+  std::memcpy(data + prefix.table_offset, table_bytes.data(), table_bytes.size());
+  written += table_bytes.size();
+  go_to(block.size);
+  return block;
+}
+
 bool range_fits(uint64_t first, uint64_t count, size_t size) {
   return first <= size && count <= size - first;
 }
@@ -55,32 +98,23 @@ Vec4 Scene::eval(uint32_t curve, double frame) const {
 }
 
 SceneBlock encode_scene(const Scene& scene) {
-  std::vector<ArrayEntry> table;
-  size_t end = aligned(sizeof(Prefix));
-  for_each_array(scene, [&]<typename T>(const char* name, std::span<const T> array) {
-    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= kAlignment);
-    table.push_back({name, end, array.size(), sizeof(T)});
-    end = aligned(end + array.size_bytes());
+  return encode(scene, [](std::byte* to, const auto& array) {
+    if (!array.empty()) std::memcpy(to, array.data(), array.size_bytes());
   });
-  std::ostringstream out;
-  {
-    cereal::PortableBinaryOutputArchive archive(out);
-    archive(table);
-  }
-  const std::string table_bytes = out.str();
-  const Prefix prefix{kMagic, aligned(end + table_bytes.size()), end, table_bytes.size()};
-  SceneBlock block;
-  block.size = prefix.total_bytes;
-  block.data.reset(static_cast<std::byte*>(allocate_large(block.size)));
-  std::memset(block.data.get(), 0, block.size);  // gaps too: equal scenes are equal bytes
-  std::memcpy(block.data.get(), &prefix, sizeof prefix);
-  size_t i = 0;
-  for_each_array(scene, [&]<typename T>(const char*, std::span<const T> array) {
-    if (!array.empty()) std::memcpy(block.data.get() + table[i].offset, array.data(), array.size_bytes());
-    ++i;
+}
+
+SceneBlock encode_scene(SceneArrays<GrowingArray>&& arrays) {
+  return encode(arrays, []<typename T>(std::byte* to, GrowingArray<T>& array) {
+    constexpr size_t kPiece = 16 << 20;
+    auto* const from = reinterpret_cast<std::byte*>(array.data());
+    const size_t bytes = array.size() * sizeof(T);
+    for (size_t at = 0; at < bytes; at += kPiece) {
+      const size_t length = std::min(kPiece, bytes - at);
+      std::memcpy(to + at, from + at, length);
+      if (bytes > kPiece) release_pages(from + at, length);
+    }
+    array = {};
   });
-  std::memcpy(block.data.get() + prefix.table_offset, table_bytes.data(), table_bytes.size());
-  return block;
 }
 
 Scene decode_scene(std::span<const std::byte> bytes) {

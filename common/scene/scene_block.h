@@ -31,6 +31,8 @@ struct SceneBlock {
 
 /// Copies the arrays into a new block.
 SceneBlock encode_scene(const Scene& scene);
+/// Moves them there: each goes as it is copied, so that never two copies of all stand beside each other.
+SceneBlock encode_scene(SceneArrays<GrowingArray>&& arrays);
 
 /// A view into `bytes`, which must be aligned to 64 bytes and outlive it. Every offset, count and index is
 /// checked against the bytes at hand: a damaged block ends in SceneBlockError, never in a read outside of it.

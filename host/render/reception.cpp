@@ -38,6 +38,7 @@ class SceneLoading {
     build.stop = std::move(stop);
     loaded.compiled = compile(loaded.description, build);
     loaded.build_s = now_s() - begin - loaded.load_s;
+    for (ObjectDescription& object : loaded.description.objects) object.primitives = {};  // they are compiled
     return loaded;
   }
 

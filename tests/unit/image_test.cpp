@@ -46,6 +46,23 @@ TEST(PixelFormat, SrgbThereAndBack) {
   EXPECT_EQ(encode_srgb8(0.5), 188);  // IEC 61966-2-1: 1.055 · 0.5^(1/2.4) - 0.055 = 0.7354
 }
 
+// Between the values that begin a byte and those that begin a step of the table nothing can change: so both
+// sides of all of them are all there is to test.
+TEST(PixelFormat, BytesChangeWhereTheyRoundAndNowhereElse) {
+  std::vector<double> begins;  // [i]: of byte i + 1
+  for (int i = 0; i < 255; ++i) begins.push_back(decode_srgb((i + 0.5) / 255));
+  const auto expect_byte = [&](double linear) {
+    EXPECT_EQ(encode_srgb8(linear), std::upper_bound(begins.begin(), begins.end(), linear) - begins.begin())
+        << linear;
+  };
+  for (const double end : begins)
+    for (const double side : {-1.0, 0.0, 2.0}) expect_byte(side == 0 ? end : std::nextafter(end, side));
+  for (int step = 0; step <= 8192; ++step)
+    for (const double side : {-1.0, 0.0, 2.0})
+      expect_byte(side == 0 ? step / 8192.0 : std::nextafter(step / 8192.0, side));
+  for (const double linear : {-0.0, 5e-324, -1e300, 1e300, HUGE_VAL, -HUGE_VAL}) expect_byte(linear);
+}
+
 TEST(ImageFiles, SayWhatTheyHold) {
   for (const PixelFormat format : {PixelFormat::rgb8, PixelFormat::half_float, PixelFormat::float32}) {
     const Image image = make_crop(format);

@@ -24,52 +24,73 @@ void visit_corners(const Scene& scene, const Hit& hit, Visitor visit) {
   }
 }
 
-/// What the viewer sees of a corner. It is the same for all polygons that share the corner and are seen from
-/// the same side: rays leave from beside its own normal.
-ClassicalSurface surface_at_corner(const ClassicalSurface& hit, const InstancePose& place, const Vec3& p,
-                                   const Vec3& normal) {
-  ClassicalSurface corner = hit;
-  Surface& s = corner.surface;
-  s.is_gouraud = false;
-  s.p = place.is_identity ? p : place.world_from_object.point(p);
-  Vec3 n = place.is_identity ? normal : normalized(place.object_from_world.normal_by_inverse(normal));
-  if (glm::dot(n, s.geometric_normal) < 0) n = -n;
-  s.geometric_normal = s.shading_normal = n;
-  s.offset = rounding_bound(std::max(max_magnitude(s.p), place.is_identity
-                                                             ? max_magnitude(p)
-                                                             : magnitude_in_world(place, max_magnitude(p))));
-  corner.direction = normalized(s.p - hit.ray_origin);
-  corner.diffuse = corner.specular = Color(0);
-  return corner;
-}
+/// Corners as the viewer sees them that a ray shows of the surface that it met. A corner is the same for all
+/// polygons that share it and are seen from the same side: rays leave from beside its own normal.
+class Corners {
+ public:
+  /// Of surface i.
+  Corners(const FrameContext& context, const ClassicalSurfaces& of, size_t i)
+      : of_(of), i_(i), place_(context.pose[of.hits[i].instance]) {
+    surfaces.rays = &rays_;
+    surfaces.met = 0;
+  }
+  Corners(const Corners&) = delete;
+
+  /// There must be room.
+  void add(const Vec3& p, const Vec3& normal) {
+    Surface s = of_.at[i_];
+    s.is_gouraud = false;
+    s.p = place_.is_identity ? p : place_.world_from_object.point(p);
+    Vec3 n = place_.is_identity ? normal : normalized(place_.object_from_world.normal_by_inverse(normal));
+    if (glm::dot(n, s.geometric_normal) < 0) n = -n;
+    s.geometric_normal = s.shading_normal = n;
+    s.offset = rounding_bound(
+        std::max(max_magnitude(s.p),
+                 place_.is_identity ? max_magnitude(p) : magnitude_in_world(place_, max_magnitude(p))));
+    const size_t k = rays_.size;
+    const Vec3 from = of_.rays->origin(i_);
+    rays_.push_back(from, normalized(s.p - from));
+    surfaces.at.set(k, s);
+    surfaces.met |= 1u << k;
+    surfaces.begin(k, of_, i_);
+  }
+
+  ClassicalSurfaces surfaces;
+
+ private:
+  const ClassicalSurfaces& of_;
+  size_t i_;
+  const InstancePose& place_;
+  RayPacket rays_;
+};
 
 }  // namespace
 
-void add_gouraud_light(const FrameContext& context, const Highlights& highlights, ClassicalSurface& surface,
-                       RayCounts& counts) {
-  const InstancePose& place = context.pose[surface.hit->instance];
-  visit_corners(context.scene, *surface.hit,
+void add_gouraud_light(const FrameContext& context, const Highlights& highlights, ClassicalSurfaces& surfaces,
+                       size_t i, RayCounts& counts) {
+  const Hit& hit = surfaces.hits[i];
+  const InstancePose& place = context.pose[hit.instance];
+  visit_corners(context.scene, hit,
                 [&](std::span<const Vec3> points, std::span<const Vec3> normals, const Vec3& plane_normal) {
                   Gathered<Color> diffuse(points.size()), specular(points.size());
                   for (size_t begin = 0; begin < points.size(); begin += kMostPacketRays) {
-                    OfPacket<ClassicalSurface> corners;
+                    Corners corners(context, surfaces, i);
                     const size_t end = std::min(points.size(), begin + kMostPacketRays);
-                    for (size_t i = begin; i < end; ++i)
-                      corners.push_back(surface_at_corner(surface, place, points[i], normals[i]));
-                    add_direct_light(context, highlights, corners.span(), counts);
-                    for (size_t i = begin; i < end; ++i) {
-                      diffuse[i] = corners[i - begin].diffuse;
-                      specular[i] = corners[i - begin].specular;
+                    for (size_t k = begin; k < end; ++k) corners.add(points[k], normals[k]);
+                    add_direct_light(context, highlights, corners.surfaces, counts);
+                    for (size_t k = begin; k < end; ++k) {
+                      diffuse[k] = lane_of(corners.surfaces.diffuse, k - begin);
+                      specular[k] = lane_of(corners.surfaces.specular, k - begin);
                     }
                   }
-                  const Vec3 p = place.is_identity ? surface.surface.p
-                                                   : place.object_from_world.point(surface.surface.p);
+                  const Vec3 seen = lane_of(surfaces.at.p, i);
+                  const Vec3 p = place.is_identity ? seen : place.object_from_world.point(seen);
                   const auto at_hit = [&](const Gathered<Color>& light) {
                     // In the corners of concave polygons weights may be negative.
                     return glm::max(mean_value_sum(points, light.span(), p, plane_normal).mean(), Color(0));
                   };
-                  surface.diffuse += at_hit(diffuse);
-                  surface.specular += at_hit(specular);
+                  set_lane(surfaces.diffuse, i, lane_of(surfaces.diffuse, i) + at_hit(diffuse));
+                  surfaces.add_specular(i, at_hit(specular));
                 });
 }
 

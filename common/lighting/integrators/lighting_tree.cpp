@@ -4,12 +4,12 @@
 
 namespace rayfarm {
 
-SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& branch,
+SecondaryRays secondary_rays(const ClassicalSurfaces& surfaces, size_t i, const Branch& branch,
                              const RenderSettings& settings) {
-  const Material& material = *surface.material;
+  const Material& material = *surfaces.materials[i];
   const auto rays_of_lobe = [&](uint32_t wanted) { return material.exponent > 0 ? wanted : 1; };
   SecondaryRays rays;
-  const Interaction at = surface.interaction();
+  const Interaction at = surfaces.interaction(i);
   rays.reflect = material.reflect;
   rays.transmit = material.transmit * material.interior;
   if (material.transmit > 0) {
@@ -44,9 +44,9 @@ void LightingTree::plant(const RayPacket& rays, std::span<const SampleId> ids, d
   }
 }
 
-Branch& LightingTree::grow(const Branch& from, const Surface& surface, const Vec3& direction, double share,
+Branch& LightingTree::grow(const Branch& from, const Vec3& origin, const Vec3& direction, double share,
                            uint32_t child, Batch& batch) {
-  batch.rays.push_back(surface.ray_origin(direction), direction);
+  batch.rays.push_back(origin, direction);
   Branch& branch = batch.branches.push_back(from);
   branch.weight *= share;
   branch.stream = static_cast<uint32_t>(mix_bits(uint64_t{from.stream} << 32 | child));
@@ -55,20 +55,20 @@ Branch& LightingTree::grow(const Branch& from, const Surface& surface, const Vec
 
 template <typename Cross>
 void LightingTree::grow_lobe(const FrameContext& context, Receiver receiver, const Branch& from,
-                             const ClassicalSurface& surface, const OfLobe& lobe, Batch*& batch,
+                             const ClassicalSurfaces& surfaces, size_t i, const OfLobe& lobe, Batch*& batch,
                              Cross cross) {
   const auto grow_one = [&](const Vec3& direction, uint32_t child, const Receiver& to) {
     if (batch->rays.is_full()) batch = &begin_batch(batch->depth);
-    Branch& branch =
-        grow(from, surface.surface, direction, max_component(lobe.share), lobe.child + child, *batch);
+    Branch& branch = grow(from, surfaces.at.ray_origin(i, direction), direction, max_component(lobe.share),
+                          lobe.child + child, *batch);
     branch.receiver = to;
     branch.receiver.share = lobe.share;
     cross(branch);
   };
   if (lobe.rays == 1) return grow_one(lobe.axis, 0, receiver);
   const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{from.stream} << 32 | lobe.child));
-  const LobeRays rays(lobe.axis, surface.material->exponent, surface.surface.geometric_normal, lobe.rays,
-                      context.tables.sampler.point(from.id, stream << 8 | dimension::kDirection));
+  const LobeRays rays(lobe.axis, surfaces.materials[i]->exponent, lane_of(surfaces.at.geometric_normal, i),
+                      lobe.rays, context.tables.sampler.point(from.id, stream << 8 | dimension::kDirection));
   // A fork for each ray but the last adds it to what the others bring, so that their order is always the
   // same.
   for (uint32_t ray = 0; ray < lobe.rays; ++ray) {
@@ -84,23 +84,23 @@ void LightingTree::grow_lobe(const FrameContext& context, Receiver receiver, con
 }
 
 void LightingTree::grow_secondary(const FrameContext& context, uint32_t fork, const Branch& from,
-                                  const ClassicalSurface& surface, const SecondaryRays& rays,
+                                  const ClassicalSurfaces& surfaces, size_t i, const SecondaryRays& rays,
                                   Batch*& transmitted, Batch*& reflected) {
   forks_[fork].pending += (rays.transmitted_rays > 0 ? 1 : 0) + (rays.reflected_rays > 0 ? 1 : 0);
   if (rays.transmitted_rays > 0) {
     const bool is_lit_through = context.tables.settings.glass_shadows != GlassShadows::blocked;
-    const bool is_dielectric = surface.material->kind == MaterialKind::dielectric;
-    grow_lobe(context, {Receiver::Kind::transmitted, fork}, from, surface,
+    const bool is_dielectric = surfaces.materials[i]->kind == MaterialKind::dielectric;
+    grow_lobe(context, {Receiver::Kind::transmitted, fork}, from, surfaces, i,
               {rays.transmitted_rays, rays.transmitted,
                rays.transmit / static_cast<double>(rays.transmitted_rays), kTransmitted},
               transmitted, [&](Branch& branch) {
                 ++branch.transmissions;
                 branch.skips_sources = branch.skips_sources && is_lit_through;
-                if (is_dielectric) branch.media.cross(surface.surface.material, surface.surface.is_front);
+                if (is_dielectric) branch.media.cross(surfaces.at.material[i], surfaces.at.is_front(i));
               });
   }
   if (rays.reflected_rays > 0)
-    grow_lobe(context, {Receiver::Kind::reflected, fork}, from, surface,
+    grow_lobe(context, {Receiver::Kind::reflected, fork}, from, surfaces, i,
               {rays.reflected_rays, rays.reflected, Color(rays.reflect / rays.reflected_rays), kReflected},
               reflected, [](Branch& branch) {
                 ++branch.reflections;

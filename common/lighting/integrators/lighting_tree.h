@@ -7,7 +7,7 @@
 #include <deque>
 #include <optional>
 
-#include "common/lighting/integrators/classical_surface.h"
+#include "common/lighting/integrators/classical_surfaces.h"
 #include "common/lighting/integrators/pool.h"
 
 namespace rayfarm {
@@ -74,11 +74,11 @@ struct SecondaryRays {
   double reflect = 0;
 };
 
-/// Those of a surface that has any. One that transmits also spawns a reflected ray, even one of weight 0 if
+/// Those of surface i, which has any. One that transmits also spawns a reflected ray, even one of weight 0 if
 /// there is no cut-off: that is how published ray counts were made. Total internal reflection sends the
 /// transmitted share along the mirror direction, and is a reflection. `branch`: that met the surface; limits
 /// other than the depth are kept.
-SecondaryRays secondary_rays(const ClassicalSurface& surface, const Branch& branch,
+SecondaryRays secondary_rays(const ClassicalSurfaces& surfaces, size_t i, const Branch& branch,
                              const RenderSettings& settings);
 
 class LightingTree {
@@ -89,17 +89,18 @@ class LightingTree {
   /// Numbers of the rays that leave a surface, which tell them apart; from kFirstOwn on they are the model's,
   /// and from kOfLobe on the others of a lobe, each that far from the one before it.
   enum Child : uint32_t { kTransmitted = 1, kReflected, kFirstOwn, kOfLobe = 1 << 16 };
-  /// A ray along `direction` from the surface that `from` met, whose width is that at the surface, enters the
-  /// batch.
-  static Branch& grow(const Branch& from, const Surface& surface, const Vec3& direction, double share,
+  /// A ray from `origin`, just off the surface that `from` met, whose width is that at the surface, enters
+  /// the batch.
+  static Branch& grow(const Branch& from, const Vec3& origin, const Vec3& direction, double share,
                       uint32_t child, Batch& batch);
   /// The surface that a ray met waits for others; `light` is what it shows without them.
   uint32_t add_fork(const Receiver& receiver, const Color& light) { return forks_.add(receiver, light); }
   Fork& operator[](uint32_t fork) { return forks_[fork]; }
-  /// The secondary rays that there are; others take the place of batches that are full.
+  /// The secondary rays of surface i, as far as there are any; others take the place of batches that are
+  /// full.
   void grow_secondary(const FrameContext& context, uint32_t fork, const Branch& from,
-                      const ClassicalSurface& surface, const SecondaryRays& rays, Batch*& transmitted,
-                      Batch*& reflected);
+                      const ClassicalSurfaces& surfaces, size_t i, const SecondaryRays& rays,
+                      Batch*& transmitted, Batch*& reflected);
 
   /// An empty batch, to be filled, that is traced before all there are. It stays where it is until it is
   /// traced, and so do the others.
@@ -159,7 +160,7 @@ class LightingTree {
   };
   template <typename Cross>
   void grow_lobe(const FrameContext& context, Receiver receiver, const Branch& from,
-                 const ClassicalSurface& surface, const OfLobe& lobe, Batch*& batch, Cross cross);
+                 const ClassicalSurfaces& surfaces, size_t i, const OfLobe& lobe, Batch*& batch, Cross cross);
 
   Pool<Fork> forks_;
   std::deque<Batch> batches_;  ///< the first `batch_count_` of them: what lies under others may have ended

@@ -40,23 +40,25 @@ class LanesStep {
         shadows_(shadows),
         lane_(lane),
         bits_(lanes),
+        ours_(truth_of(lanes)),
         zero_(hn::Zero(RealTag())) {}
 
   HWY_INLINE PathStep run() {
     PathStep result;
-    to_viewer_ = -load3(paths_.rays.directions, lane_);
-    // Where there is no ray, any point: none that costs more than others.
-    p_ = select(truth_of(bits_), load3(paths_.surfaces.p, lane_), all(zero_));
-    geometric_normal_ = load3(paths_.surfaces.geometric_normal, lane_);
-    const Real3 shading_normal = load3(paths_.surfaces.shading_normal, lane_);
+    // Where there is no path any directions stand in: none that cost more than others.
+    const Real3 upright(zero_, zero_, real(1));
+    to_viewer_ = select(ours_, -load(paths_.rays.directions, ours_), upright);
+    p_ = load(paths_.surfaces.p, ours_);
+    geometric_normal_ = select(ours_, load(paths_.surfaces.geometric_normal, ours_), upright);
+    const Real3 shading_normal = load(paths_.surfaces.shading_normal, ours_);
     normal_ = select(dot(to_viewer_, shading_normal) > zero_, shading_normal, geometric_normal_);
-    offset_ = load(paths_.surfaces.offset);
-    throughput_ = load3(paths_.throughput, lane_);
+    offset_ = load(paths_.surfaces.offset, ours_);
+    throughput_ = load(paths_.throughput, ours_);
 
     const RealLobes lobes = scatter();
     const Real diffuse = luminance(lobes.diffuse);
     const Real total = diffuse + luminance(lobes.transmitted) + luminance(lobes.reflected);
-    const Truth is_lit = hn::And(total > zero_, truth_of(bits_));
+    const Truth is_lit = hn::And(total > zero_, ours_);
     const Real diffuse_share = diffuse / total;
     if (!scene_.lights.empty())
       if (const LaneSet lit = bits_of(hn::And(is_lit, lobes.has_diffuse)); lit != 0)
@@ -66,7 +68,14 @@ class LanesStep {
   }
 
  private:
-  HWY_INLINE Real load(const double* column) const { return hn::Load(RealTag(), column + lane_); }
+  /// 0 in the other lanes. What was never set may be a denormal number, which takes a hundred cycles to look
+  /// at.
+  HWY_INLINE Real load(const double* column, Truth which) const {
+    return hn::MaskedLoad(which, RealTag(), column + lane_);
+  }
+  HWY_INLINE Real3 load(const VectorLanes& columns, Truth which) const {
+    return {load(columns[0], which), load(columns[1], which), load(columns[2], which)};
+  }
   HWY_INLINE Truth set_at(LaneSet set) const { return truth_of(set >> lane_); }
   HWY_INLINE bool is_any(LaneSet set) const { return (set >> lane_ & bits_) != 0; }
   static HWY_INLINE bool is_any(Truth truth) { return !hn::AllFalse(RealTag(), truth); }
@@ -96,14 +105,14 @@ class LanesStep {
     RealLobes lobes;
     const Truth substrates = set_at(paths_.substrates), dielectrics = set_at(paths_.dielectrics),
                 classical = set_at(paths_.classical), polished = set_at(paths_.polished);
-    Real3 diffuse = load3(paths_.substrate, lane_), transmitted = all(zero_), reflected = all(zero_);
+    Real3 diffuse = load(paths_.substrate, substrates), transmitted = all(zero_), reflected = all(zero_);
     lobes.has_diffuse = substrates;
     lobes.has_transmitted = lobes.has_reflected = hn::FirstN(RealTag(), 0);
     lobes.is_mirror_first = hn::Or(polished, dielectrics);
     lobes.through = lobes.mirror = all(zero_);
     if (is_any(paths_.polished | paths_.dielectrics | paths_.conductors | paths_.classical)) {
       const Real cosine = dot(normal_, to_viewer_),
-                 index_ratio = select(truth_of(bits_), load(paths_.index_ratio), real(1));
+                 index_ratio = select(ours_, load(paths_.index_ratio, ours_), real(1));
       Truth is_total = hn::FirstN(RealTag(), 0);
       if (is_any(paths_.dielectrics | paths_.classical)) {
         lobes.through = refracted(to_viewer_, normal_, index_ratio, is_total);
@@ -119,16 +128,17 @@ class LanesStep {
       }
       if (is_any(paths_.conductors)) {
         const Truth conductors = set_at(paths_.conductors);
-        reflected = select(
-            conductors, fresnel_conductor(cosine, load3(paths_.n, lane_), load3(paths_.k, lane_)), reflected);
+        reflected = select(conductors,
+                           fresnel_conductor(cosine, load(paths_.n, conductors), load(paths_.k, conductors)),
+                           reflected);
         lobes.has_reflected = hn::Or(lobes.has_reflected, conductors);
       }
       if (is_any(paths_.classical)) {
-        const Real transmit = load(paths_.transmit), reflect = load(paths_.reflect);
+        const Real transmit = load(paths_.transmit, classical), reflect = load(paths_.reflect, classical);
         const Truth transmits = hn::And(classical, transmit > zero_);
         const Real all_reflected = select(hn::And(transmits, is_total), reflect + transmit, reflect);
         reflected = select(classical, all(all_reflected), reflected);
-        transmitted = select(classical, load3(paths_.through, lane_), transmitted);
+        transmitted = select(classical, load(paths_.through, classical), transmitted);
         lobes.has_reflected = hn::Or(lobes.has_reflected, hn::And(classical, all_reflected > zero_));
         lobes.has_transmitted = hn::Or(lobes.has_transmitted, hn::AndNot(is_total, transmits));
       }
@@ -199,7 +209,10 @@ class LanesStep {
       set_lane(incident, i, sample.incident);
       pdf[i] = sample.pdf;
     }
-    result = {load3(to_light, 0), load3(target, 0), load3(incident, 0), hn::Load(d, pdf)};
+    result.to_light = load3(to_light, 0);
+    result.target = load3(target, 0);
+    result.incident = load3(incident, 0);
+    result.pdf = hn::Load(d, pdf);
   }
 
   /// Where a ray in `direction` starts; as Surface::ray_origin.
@@ -291,13 +304,12 @@ class LanesStep {
     result.is_diffuse = bits_of(hn::And(goes_on, chose_diffuse));
     result.is_transmitted = bits_of(hn::And(goes_on, chose_transmitted));
     // The lanes of others are theirs to set.
-    const Truth ours = truth_of(bits_);
     const auto set3 = [&](const Real3& v, RealColumn* columns)
-                          HWY_ATTR { store3(select(ours, v, load3(columns, lane_)), columns, lane_); };
+                          HWY_ATTR { store3(select(ours_, v, load3(columns, lane_)), columns, lane_); };
     set3(throughput, paths_.throughput);
     set3(ray_origin(direction), paths_.rays.origins);
     set3(direction, paths_.rays.directions);
-    hn::Store(select(ours, pdf, load(paths_.pdf)), d, paths_.pdf + lane_);
+    hn::Store(select(ours_, pdf, hn::Load(d, paths_.pdf + lane_)), d, paths_.pdf + lane_);
   }
 
   static HWY_INLINE Truth select_truth(Truth which, Truth yes, Truth no) {
@@ -333,6 +345,7 @@ class LanesStep {
   ShadowColumns& shadows_;
   size_t lane_;
   LaneSet bits_;  ///< of this vector's lanes
+  Truth ours_;    ///< the same
   Real zero_;
   Real3 to_viewer_, p_, geometric_normal_, normal_, throughput_;
   Real offset_;

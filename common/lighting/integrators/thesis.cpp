@@ -100,47 +100,41 @@ class ThesisTracer {
  private:
   /// Returns how many rays met an object.
   size_t trace(Batch& batch) {
-    OfPacket<Hit> hits;
-    hits.resize_for_overwrite(batch.rays.size);
+    std::array<Hit, kMostPacketRays> hits;
     closest_hits(scene_, context_.pose, batch.rays, hits.data());
-    OfPacket<ClassicalSurface> surfaces;
-    OfPacket<size_t> ray_of_surface;
+    ClassicalSurfaces surfaces(context_, batch.rays, hits.data());
     for (size_t i = 0; i < batch.rays.size; ++i) {
+      Branch& branch = batch.branches[i];
       if (!hits[i].is_hit()) {
-        take(tree_.deliver(batch.branches[i].receiver, eval_background(scene_, batch.rays.direction(i))));
+        take(tree_.deliver(branch.receiver, eval_background(scene_, batch.rays.direction(i))));
         continue;
       }
-      ray_of_surface.push_back(i);
-      Branch& branch = batch.branches[i];
       branch.arrive(scene_, hits[i].t);
-      ClassicalSurface& surface =
-          surfaces.emplace_back(context_, batch.rays[i], hits[i], branch.width, branch.id, branch.stream);
+      surfaces.begin(context_, i, branch.width, branch.id, branch.stream, &branch.media);
       GatheringRay* const ray = gathering_ray(branch.receiver);
-      surface.media = &branch.media;
-      if (is_luminaire(*surface.material)) add_emission(surface, hits[i], branch, ray);
-      if (!has_diffuse_rays(*surface.material)) surface.add_ambient(scene_, AmbientColour::surface);
+      if (is_luminaire(*surfaces.materials[i])) add_emission(surfaces, i, branch, ray);
+      if (!has_diffuse_rays(*surfaces.materials[i])) surfaces.add_ambient(scene_, i, AmbientColour::surface);
       if (!ray) continue;
       ray->distance = hits[i].t;
       if (!ray->serves_both) branch.weight *= strength(ray->distance);
     }
-    if (!surfaces.empty()) {
-      add_direct_light(context_, {.has_reflected_rays = true}, surfaces.span(), counts_);
-      follow_others(batch, surfaces.span(), ray_of_surface.span());
+    if (surfaces.met) {
+      add_direct_light(context_, {.has_reflected_rays = true}, surfaces, counts_);
+      follow_others(batch, surfaces);
     }
     LightingTree::end(batch);
-    return surfaces.size();
+    return static_cast<size_t>(std::popcount(surfaces.met));
   }
 
-  /// The rays that leave surfaces; `ray_of`: the ray of the batch that met each.
-  void follow_others(const Batch& batch, std::span<const ClassicalSurface> surfaces,
-                     std::span<const size_t> ray_of) {
+  /// The rays that leave surfaces.
+  void follow_others(const Batch& batch, const ClassicalSurfaces& surfaces) {
     Batch *reflected = &tree_.begin_batch(batch.depth + 1),
           *transmitted = &tree_.begin_batch(batch.depth + 1);
-    for (size_t k = 0; k < surfaces.size(); ++k) {
-      const Branch& branch = batch.branches[ray_of[k]];
-      if (batch.depth == settings_.max_depth || !add_rays(branch, surfaces[k], transmitted, reflected))
-        take(tree_.deliver(branch.receiver, surfaces[k].light()));
-    }
+    for_each_ray(surfaces.met, [&](size_t i) {
+      const Branch& branch = batch.branches[i];
+      if (batch.depth == settings_.max_depth || !add_rays(branch, surfaces, i, transmitted, reflected))
+        take(tree_.deliver(branch.receiver, surfaces.light(i)));
+    });
   }
 
   /// The ray of a gathering, if it is one's.
@@ -149,14 +143,14 @@ class ThesisTracer {
   }
 
   /// A primary source that shadow rays are sent to must not be counted again when a diffuse ray meets it.
-  void add_emission(ClassicalSurface& surface, const Hit& hit, const Branch& branch,
-                    GatheringRay* ray) const {
+  void add_emission(ClassicalSurfaces& surfaces, size_t i, const Branch& branch, GatheringRay* ray) const {
+    const Hit& hit = surfaces.hits[i];
     const bool is_counted =
         branch.skips_sources && find_luminaire(scene_, hit.instance, hit.primitive) != kNone;
     const bool serves_both = ray && ray->serves_both;
     if (is_counted && !serves_both) return;
-    const Color light = surface.emission(context_);
-    surface.specular += light;
+    const Color light = surfaces.emission(context_, i);
+    surfaces.add_specular(i, light);
     if (is_counted) ray->counted = branch.receiver.share * light;
   }
 
@@ -186,21 +180,22 @@ class ThesisTracer {
   }
 
   /// All rays that leave a surface. False: there are none.
-  bool add_rays(const Branch& branch, const ClassicalSurface& surface, Batch*& transmitted,
+  bool add_rays(const Branch& branch, const ClassicalSurfaces& surfaces, size_t i, Batch*& transmitted,
                 Batch*& reflected) {
+    const Material& material = *surfaces.materials[i];
     SecondaryRays secondary;
-    if (surface.has_secondary_rays()) secondary = secondary_rays(surface, branch, settings_);
-    const Color share = (surface.material->diffuse / settings_.diffuse_rays) * surface.color;
-    const bool is_gathered = has_diffuse_rays(*surface.material) &&
-                             branch.reflections < settings_.max_reflections && max_component(share) > 0 &&
+    if (surfaces.has_secondary_rays(i)) secondary = secondary_rays(surfaces, i, branch, settings_);
+    const Color share = (material.diffuse / settings_.diffuse_rays) * lane_of(surfaces.color, i);
+    const bool is_gathered = has_diffuse_rays(material) && branch.reflections < settings_.max_reflections &&
+                             max_component(share) > 0 &&
                              branch.weight * max_component(share) >= settings_.min_weight;
     if (!is_gathered && secondary.transmitted_rays + secondary.reflected_rays == 0) return false;
-    const uint32_t fork = tree_.add_fork(branch.receiver, surface.light());
-    if (is_gathered && begin_gathering(fork, transmitted->depth, branch, surface.surface, share, secondary))
+    const uint32_t fork = tree_.add_fork(branch.receiver, surfaces.light(i));
+    if (is_gathered && begin_gathering(fork, transmitted->depth, branch, surfaces.at[i], share, secondary))
       secondary.reflected_rays = 0;
     counts_[RayKind::transmitted] += secondary.transmitted_rays;
     counts_[RayKind::reflected] += secondary.reflected_rays;
-    tree_.grow_secondary(context_, fork, branch, surface, secondary, transmitted, reflected);
+    tree_.grow_secondary(context_, fork, branch, surfaces, i, secondary, transmitted, reflected);
     return true;
   }
 
@@ -325,8 +320,9 @@ class ThesisTracer {
                            Color(0)};
     ++gathering.pending;
     const Color share = serves_both ? gathering.share + gathering.reflect : gathering.share;
-    Branch& branch = LightingTree::grow(gathering.branch, gathering.surface, direction, max_component(share),
-                                        serves_both ? LightingTree::kReflected : child, batch);
+    Branch& branch =
+        LightingTree::grow(gathering.branch, gathering.surface.ray_origin(direction), direction,
+                           max_component(share), serves_both ? LightingTree::kReflected : child, batch);
     branch.receiver = {Receiver::Kind::own, place, static_cast<uint32_t>(ray)};
     branch.skips_sources = true;
     ++branch.reflections;

@@ -18,53 +18,46 @@ class WhittedIntegrator : public Integrator {
 
   /// Returns how many rays met an object.
   size_t trace(const FrameContext& context, Batch& batch, RayCounts& counts) {
-    OfPacket<Hit> hits;
-    hits.resize_for_overwrite(batch.rays.size);
+    std::array<Hit, kMostPacketRays> hits;
     closest_hits(context.scene, context.pose, batch.rays, hits.data());
-    OfPacket<ClassicalSurface> surfaces;
-    OfPacket<size_t> ray_of_surface;
+    ClassicalSurfaces surfaces(context, batch.rays, hits.data());
     for (size_t i = 0; i < batch.rays.size; ++i) {
+      Branch& branch = batch.branches[i];
       if (!hits[i].is_hit()) {
-        tree_.deliver(batch.branches[i].receiver, eval_background(context.scene, batch.rays.direction(i)));
+        tree_.deliver(branch.receiver, eval_background(context.scene, batch.rays.direction(i)));
         continue;
       }
-      Branch& branch = batch.branches[i];
       branch.arrive(context.scene, hits[i].t);
-      ClassicalSurface& surface =
-          surfaces.emplace_back(context, batch.rays[i], hits[i], branch.width, branch.id, branch.stream);
-      surface.media = &branch.media;
-      surface.add_ambient_and_emission(context);
-      ray_of_surface.push_back(i);
+      surfaces.begin(context, i, branch.width, branch.id, branch.stream, &branch.media);
+      surfaces.add_ambient_and_emission(context, i);
     }
-    if (!surfaces.empty()) {
-      add_direct_light(context, {.has_reflected_rays = true}, surfaces.span(), counts);
-      follow_secondary(context, batch, surfaces.span(), ray_of_surface.span(), counts);
+    if (surfaces.met) {
+      add_direct_light(context, {.has_reflected_rays = true}, surfaces, counts);
+      follow_secondary(context, batch, surfaces, counts);
     }
     LightingTree::end(batch);
-    return surfaces.size();
+    return static_cast<size_t>(std::popcount(surfaces.met));
   }
 
-  /// `ray_of`: the ray of the batch that met each surface.
-  void follow_secondary(const FrameContext& context, const Batch& batch,
-                        std::span<const ClassicalSurface> surfaces, std::span<const size_t> ray_of,
+  void follow_secondary(const FrameContext& context, const Batch& batch, const ClassicalSurfaces& surfaces,
                         RayCounts& counts) {
     const RenderSettings& settings = context.tables.settings;
     Batch *reflected = &tree_.begin_batch(batch.depth + 1),
           *transmitted = &tree_.begin_batch(batch.depth + 1);
-    for (size_t k = 0; k < surfaces.size(); ++k) {
-      const Branch& branch = batch.branches[ray_of[k]];
+    for_each_ray(surfaces.met, [&](size_t i) {
+      const Branch& branch = batch.branches[i];
       SecondaryRays secondary;
-      if (batch.depth < settings.max_depth && surfaces[k].has_secondary_rays())
-        secondary = secondary_rays(surfaces[k], branch, settings);
+      if (batch.depth < settings.max_depth && surfaces.has_secondary_rays(i))
+        secondary = secondary_rays(surfaces, i, branch, settings);
       if (secondary.transmitted_rays + secondary.reflected_rays == 0) {
-        tree_.deliver(branch.receiver, surfaces[k].light());
-        continue;
+        tree_.deliver(branch.receiver, surfaces.light(i));
+        return;
       }
-      const uint32_t fork = tree_.add_fork(branch.receiver, surfaces[k].light());
-      tree_.grow_secondary(context, fork, branch, surfaces[k], secondary, transmitted, reflected);
+      const uint32_t fork = tree_.add_fork(branch.receiver, surfaces.light(i));
+      tree_.grow_secondary(context, fork, branch, surfaces, i, secondary, transmitted, reflected);
       counts[RayKind::transmitted] += secondary.transmitted_rays;
       counts[RayKind::reflected] += secondary.reflected_rays;
-    }
+    });
   }
 
   LightingTree tree_;
