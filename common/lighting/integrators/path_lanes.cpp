@@ -222,15 +222,6 @@ class LanesStep {
     return p_ + select(side >= zero_, offset_, hn::Neg(offset_)) * geometric_normal_;
   }
 
-  /// Behind the shadow rays that there are.
-  HWY_INLINE void append(const Real3& v, Truth which, RealColumn* columns) const {
-    const RealTag d;
-    const size_t end = shadows_.rays.size;
-    hn::StoreU(hn::Compress(v.x, which), d, columns[0] + end);
-    hn::StoreU(hn::Compress(v.y, which), d, columns[1] + end);
-    hn::StoreU(hn::Compress(v.z, which), d, columns[2] + end);
-  }
-
   /// A shadow ray to one of the sources; only what is reflected diffusely shows its light.
   HWY_INLINE void add_direct_light(LaneSet lit, const Real3& diffuse, Real diffuse_share) {
     Real probability;
@@ -248,16 +239,15 @@ class LanesStep {
     if (seen == 0) return;
     const Real ratio = diffuse_share * density / (sample.pdf * probability);
     const Real weight = select(sample.pdf > zero_, real(1) / (real(1) + ratio * ratio), real(1));
-    // The rays close up; at most as many lie before them as lanes do.
     const Real3 origin = ray_origin(sample.to_light), to_target = sample.target - origin,
                 color = (weight / probability) * (throughput_ * value * sample.incident);
-    RayPacket& rays = shadows_.rays;
-    append(origin, is_seen, rays.origins);
-    append(to_target, is_seen, rays.directions);
-    append(color, is_seen, shadows_.colors);
+    HWY_ALIGN RealColumn origins[3], to_targets[3], colors[3];
+    store3(origin, origins, 0);
+    store3(to_target, to_targets, 0);
+    store3(color, colors, 0);
     for_each_lane(seen, [&](size_t i) {
-      rays.t_max[rays.size] = 1;
-      shadows_.places[rays.size++] = paths_.places[lane_ + i];
+      shadows_.push_back(lane_of(origins, i), lane_of(to_targets, i), lane_of(colors, i),
+                         paths_.places[lane_ + i]);
     });
   }
 
