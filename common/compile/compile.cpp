@@ -142,10 +142,18 @@ void add_notes_of_built(const SceneDescription& description, const BuildOptions&
   const BuildOptions usual;
   if (description.libraries.empty() ||
       (options.rule == usual.rule && options.max_primitives == usual.max_primitives &&
-       options.structure == usual.structure))
+       options.quality == usual.quality && options.structure == usual.structure))
     return;
   notes.add({description.libraries[0].path},
             "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
+}
+
+void add_notes_of_idle_quality(const SceneDescription& description, const BuildOptions& options,
+                               Notes& notes) {
+  if (options.rule == SplitRule::thesis && options.quality != BuildOptions().quality)
+    notes.add(description.source(),
+              "the thesis's rule clips primitives in its own way; a fast or a high build belongs to the "
+              "surface area heuristic, and changes nothing here");
 }
 
 }  // namespace
@@ -175,6 +183,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.notes = description.notes;
   parts.add_notes(result.notes);
   add_notes_of_built(description, options, result.notes);
+  add_notes_of_idle_quality(description, options, result.notes);
   if (purpose == Purpose::library)
     add_notes_of_idle(description, result.notes);
   else

@@ -134,8 +134,9 @@ void build_object_part(SceneArrays<GrowingArray>& arrays, const SceneDescription
       for (const PrimitiveReference& r : references) arrays.leaf_instances.push_back(instances[r.primitive]);
       return make_child(ChildKind::instances, first, static_cast<uint32_t>(references.size()));
     };
-    return build_hierarchy(InstanceSource(arrays.poses, instances), {.max_primitives = 1, .stop = stop},
-                           make_leaf, nodes);
+    return build_hierarchy(InstanceSource(arrays.poses, instances),
+                           {.max_primitives = 1, .quality = BuildQuality::fast, .stop = stop}, make_leaf,
+                           nodes);
   };
   arrays.header[0].fixed_root = build(fixed, arrays.fixed_nodes);
   arrays.header[0].moving_root = build(arrays.moving_instances, arrays.moving_nodes);

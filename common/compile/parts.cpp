@@ -7,6 +7,34 @@ Box sphere_box(const SphereRecord& s) {
   return {s.center - Vec3(s.radius), s.center + Vec3(s.radius)};
 }
 
+/// Follows the outline, whose bounds in a slab are those of what lies in it.
+template <typename Point>
+void chop_polygon(std::span<const Point> points, const Slabs& slabs, size_t first, size_t last,
+                  Bounds* pieces) {
+  using Number = typename Point::value_type;
+  const auto axis = static_cast<int>(slabs.axis);
+  const auto grow = [&](size_t slab, const Point& p) {
+    if (slab < first || slab > last) return;
+    const std::array<float, 4> at{static_cast<float>(p[0]), static_cast<float>(p[1]),
+                                  static_cast<float>(p[2]), 0};
+    pieces[slab].grow(at.data(), at.data());
+  };
+  for (size_t k = 0; k < points.size(); ++k) {
+    const Point &p = points[k], &q = points[k + 1 < points.size() ? k + 1 : 0];
+    const size_t from = slabs.index(static_cast<float>(p[axis])),
+                 to = slabs.index(static_cast<float>(q[axis]));
+    grow(from, p);
+    for (size_t i = std::min(from, to); i < std::max(from, to); ++i) {
+      const auto plane = static_cast<Number>(slabs.plane(i + 1));
+      const Number t = (plane - p[axis]) / (q[axis] - p[axis]);
+      Point crossing = p + std::clamp<Number>(t, 0, 1) * (q - p);
+      crossing[axis] = plane;
+      grow(i, crossing);
+      grow(i + 1, crossing);
+    }
+  }
+}
+
 /// The primitives of one part, for the builder.
 class PartSource : public PrimitiveSource {
  public:
@@ -57,6 +85,15 @@ class PartSource : public PrimitiveSource {
         return intersection(arrays_.quadrics[id.index()].bounds, cell);
     }
     return {};
+  }
+
+  void chop(uint32_t primitive, const Slabs& slabs, size_t first, size_t last,
+            Bounds* pieces) const override {
+    if (part_.is_triangle(primitive))
+      return chop_polygon<glm::vec3>(part_.triangle(primitive), slabs, first, last, pieces);
+    const PrimitiveId id = part_.ids[primitive];
+    if (id.kind() == PrimitiveKind::polygon) return chop_polygon(points(id), slabs, first, last, pieces);
+    PrimitiveSource::chop(primitive, slabs, first, last, pieces);
   }
 
  private:

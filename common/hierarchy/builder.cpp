@@ -10,6 +10,17 @@ PrimitiveReference make_reference(uint32_t primitive, const Box& box) {
           0};
 }
 
+void PrimitiveSource::chop(uint32_t primitive, const Slabs& slabs, size_t first, size_t last,
+                           Bounds* pieces) const {
+  const PrimitiveReference whole = make_reference(primitive, bounds(primitive));
+  for (size_t i = first; i <= last; ++i) {
+    PrimitiveReference piece = whole;
+    piece.lo[slabs.axis] = std::max(piece.lo[slabs.axis], slabs.plane(i));
+    piece.hi[slabs.axis] = std::min(piece.hi[slabs.axis], slabs.plane(i + 1));
+    pieces[i].grow(piece.lo.data(), piece.hi.data());
+  }
+}
+
 ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
                          const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes) {
   if (source.size() == 0) return {};

@@ -3,15 +3,35 @@
 // each child is fitted again to the data that fell into it. The result is a tree of eight tight boxes per
 // node. A builder never knows its primitives: it takes bounds, clips them, and gives ranges of references to
 // a structurer.
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <functional>
 #include <span>
 
 #include "common/errors/stop.h"
+#include "common/hierarchy/lane_bounds.h"
 #include "common/memory/large_vector.h"
 #include "common/scene/hierarchy_records.h"
 
 namespace rayfarm {
+
+/// Slabs of equal width across an axis, one behind the other.
+struct Slabs {
+  size_t axis;
+  float origin, width;
+  size_t count;
+
+  float plane(size_t i) const { return origin + static_cast<float>(i) * width; }  ///< where slab i begins
+  size_t index(float x) const {
+    const float i = (x - origin) / width;
+    return i > 0 ? static_cast<size_t>(std::min(i, static_cast<float>(count - 1))) : 0;
+  }
+  /// False if rounding makes planes coincide.
+  bool are_distinct() const {
+    return width > 0 && plane(1) > origin && plane(count) > plane(count - 1) && std::isfinite(plane(count));
+  }
+};
 
 /// What the builder asks about the primitives of one part.
 class PrimitiveSource {
@@ -21,6 +41,9 @@ class PrimitiveSource {
   virtual Box bounds(uint32_t primitive) const = 0;
   /// The box of the primitive's piece inside `cell`, empty if there is none. May be larger, never smaller.
   virtual Box clipped(uint32_t primitive, const Box& cell) const = 0;
+  /// Grows `pieces[i]`, for each of the slabs first to last, by about the primitive's piece in it: a measure
+  /// for choices, where `clipped` is exact.
+  virtual void chop(uint32_t primitive, const Slabs& slabs, size_t first, size_t last, Bounds* pieces) const;
 };
 
 /// A primitive, or a clipped piece of one, with its bounds rounded outward. 32 bytes.
@@ -40,6 +63,13 @@ enum class SplitRule : uint8_t {
   thesis  ///< into the octants about the centre of the data, straddling primitives clipped (4.2.1.2)
 };
 
+/// What a build may take for the sake of the rays. The pictures are the same.
+enum class BuildQuality : uint8_t {
+  fast,      ///< primitives stay whole
+  balanced,  ///< spatial splits where they are seen to pay, up to 1.3 references a primitive
+  high       ///< up to 2 references a primitive
+};
+
 /// How far a build is, for those who watch it from another thread.
 struct BuildProgress {
   std::atomic<uint64_t> total = 0, done = 0;  ///< primitives
@@ -49,6 +79,7 @@ struct BuildOptions {
   SplitRule rule = SplitRule::sah;
   uint32_t max_primitives = 8;  ///< a volume with at most this many is a leaf (the thesis used 4 to 30)
   Structure structure = Structure::volumes;
+  BuildQuality quality = BuildQuality::balanced;  ///< of SplitRule::sah
   BuildProgress* progress = nullptr;
   std::stop_token stop{};  ///< a build that was asked to stop throws Stopped
 };

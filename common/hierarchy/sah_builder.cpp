@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "common/hierarchy/builder.h"
-#include "common/hierarchy/clip_large.h"
+#include "common/hierarchy/spatial_splits.h"
 
 namespace rayfarm {
 namespace {
@@ -28,27 +28,6 @@ constexpr float kNodeCost = 1.0f;
 /// leaves are few, and met by many rays.
 constexpr float kLargeLeaf = 1e-3f;
 
-/// Bounds with four lanes, so that compilers use one instruction for all of them.
-struct alignas(16) Bounds {
-  std::array<float, 4> lo, hi;
-
-  static Bounds none() {
-    Bounds b;
-    b.lo.fill(std::numeric_limits<float>::infinity());
-    b.hi.fill(-std::numeric_limits<float>::infinity());
-    return b;
-  }
-  void grow(const float* other_lo, const float* other_hi) {
-    for (size_t i = 0; i < 4; ++i) lo[i] = other_lo[i] < lo[i] ? other_lo[i] : lo[i];
-    for (size_t i = 0; i < 4; ++i) hi[i] = other_hi[i] > hi[i] ? other_hi[i] : hi[i];
-  }
-  void grow(const Bounds& b) { grow(b.lo.data(), b.hi.data()); }
-  float area() const {
-    const float x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
-    return x * y + y * z + z * x;
-  }
-};
-
 /// cost[i]: of the best forest of at most i trees that holds a node's references.
 using Costs = std::array<float, kSlots + 1>;
 
@@ -64,10 +43,12 @@ struct BinaryNode {
 
 class SahBuilder {
  public:
-  SahBuilder(LargeVector<PrimitiveReference> references, const BuildOptions& options,
-             const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes)
+  SahBuilder(LargeVector<PrimitiveReference> references, const PrimitiveSource& source,
+             const BuildOptions& options, const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes)
       : references_(std::move(references)),
-        binary_(static_cast<BinaryNode*>(allocate_large((2 * references_.size() - 1) * sizeof(BinaryNode)))),
+        spatial_(source, options.quality, references_),
+        binary_(static_cast<BinaryNode*>(
+            allocate_large((2 * (references_.size() + spatial_.budget()) - 1) * sizeof(BinaryNode)))),
         most_in_leaf_(options.max_primitives),
         make_leaf_(make_leaf),
         nodes_(nodes),
@@ -78,11 +59,13 @@ class SahBuilder {
     const auto cores = std::max(1u, std::thread::hardware_concurrency());
     int task_levels = 0;  // four tasks a core, because they differ in length
     while (cores > 1 && (1u << task_levels) < 4 * cores) ++task_levels;
-    Range all{0, static_cast<uint32_t>(references_.size()), Bounds::none(), Bounds::none()};
+    Range all{0, static_cast<uint32_t>(references_.size()), 0, Bounds::none(), Bounds::none()};
     for (const PrimitiveReference& r : references_) {
       all.bounds.grow(r.lo.data(), r.hi.data());
       grow_centers(all.centers, r);
     }
+    all.spare = static_cast<uint32_t>(spatial_.budget());
+    references_.resize(references_.size() + all.spare);
     split(0, all, 0, task_levels);
     return emit(0);
   }
@@ -90,12 +73,14 @@ class SahBuilder {
  private:
   struct Range {
     uint32_t first, count;
+    uint32_t spare;  ///< places behind them, for the second pieces of what a plane cuts
     Bounds bounds;
     Bounds centers;  ///< of lo + hi
   };
   struct Split {
     int axis = -1;
     size_t bin = 0;
+    float cost = std::numeric_limits<float>::infinity();
     Bounds left, right;
   };
 
@@ -120,9 +105,6 @@ class SahBuilder {
     }
   };
 
-  // What counts is how many groups of lanes are tested.
-  static float work(uint32_t n) { return std::ceil(static_cast<float>(n) / kSlots); }
-
   Split best_split(const Range& range) const {
     struct Bin {
       Bounds bounds = Bounds::none();
@@ -138,7 +120,6 @@ class SahBuilder {
         ++bin.count;
       }
     Split best;
-    float best_cost = std::numeric_limits<float>::infinity();
     for (size_t axis = 0; axis < 3; ++axis) {
       if (binning.scale[axis] == 0) continue;
       std::array<float, kBins> cost_above;  // of the bins from i on
@@ -147,7 +128,7 @@ class SahBuilder {
       for (size_t i = kBins; i-- > 1;) {
         bounds.grow(bins[axis][i].bounds);
         count += bins[axis][i].count;
-        cost_above[i] = count > 0 ? bounds.area() * work(count) : 0;
+        cost_above[i] = count > 0 ? bounds.area() * blocks_of(count) : 0;
       }
       bounds = Bounds::none();
       count = 0;
@@ -155,9 +136,9 @@ class SahBuilder {
         bounds.grow(bins[axis][i - 1].bounds);
         count += bins[axis][i - 1].count;
         if (count == 0 || count == range.count) continue;
-        const float cost = bounds.area() * work(count) + cost_above[i];
-        if (cost < best_cost) {
-          best_cost = cost;
+        const float cost = bounds.area() * blocks_of(count) + cost_above[i];
+        if (cost < best.cost) {
+          best.cost = cost;
           best.axis = static_cast<int>(axis);
           best.bin = i;
         }
@@ -170,13 +151,16 @@ class SahBuilder {
     return best;
   }
 
-  /// Divides a range in two; false if all its centres coincide.
+  /// Divides a range in two; false if nothing parts it.
   bool divide(const Range& range, int depth, Range& left, Range& right) {
-    const auto begin = references_.begin() + range.first, end = begin + range.count;
-    left = right = {range.first, 0, Bounds::none(), Bounds::none()};
-    auto middle = begin + range.count / 2;
+    left = right = {range.first, 0, 0, Bounds::none(), Bounds::none()};
     Split best;
-    if (depth < kMostSahSplits) best = best_split(range);
+    if (depth < kMostSahSplits) {
+      best = best_split(range);
+      if (divide_space(range, best, left, right)) return true;
+    }
+    const auto begin = references_.begin() + range.first, end = begin + range.count;
+    auto middle = begin + range.count / 2;
     if (best.axis >= 0) {
       const Binning binning(range.centers);
       const auto axis = static_cast<size_t>(best.axis);
@@ -196,12 +180,57 @@ class SahBuilder {
       });
       for (auto i = begin; i != end; ++i) (i < middle ? left : right).bounds.grow(i->lo.data(), i->hi.data());
     }
-    for (auto i = begin; i != middle; ++i) grow_centers(left.centers, *i);
-    for (auto i = middle; i != end; ++i) grow_centers(right.centers, *i);
     left.count = static_cast<uint32_t>(middle - begin);
-    right.first = range.first + left.count;
     right.count = range.count - left.count;
+    set_apart(range.spare, left, right);
     return true;
+  }
+
+  /// Divides a range at a plane; false if that does not pay.
+  bool divide_space(const Range& range, const Split& other, Range& left, Range& right) {
+    if (range.spare == 0 || (other.axis >= 0 && !spatial_.is_promising(other.left, other.right)))
+      return false;
+    // What may stay one leaf must be better divided than that, too.
+    const float undivided = range.count <= most_in_leaf_ ? range.bounds.area() * blocks_of(range.count)
+                                                         : std::numeric_limits<float>::infinity();
+    PrimitiveReference* const first = references_.data() + range.first;
+    const SpatialSplits::Plane plane =
+        spatial_.best_plane(std::span(first, range.count), range.bounds, range.spare);
+    if (!(plane.cost < std::min(other.cost, undivided))) return false;
+    const SpatialSplits::Sides sides = spatial_.divide(first, range.count, plane, range.spare);
+    if (sides.left == 0 || sides.right == 0) return false;
+    left.count = static_cast<uint32_t>(sides.left);
+    right.count = static_cast<uint32_t>(sides.right);
+    const uint32_t added = left.count + right.count - range.count;
+    if (progress_) progress_->total += added;
+    for (uint32_t i = 0; i < left.count + right.count; ++i)
+      (i < left.count ? left : right).bounds.grow(first[i].lo.data(), first[i].hi.data());
+    set_apart(range.spare - added, left, right);
+    return true;
+  }
+
+  /// Gives each child its place, with a part of the spare ones by the area of what it holds, and bounds its
+  /// centres.
+  void set_apart(uint32_t spare, Range& left, Range& right) {
+    right.first = left.first + left.count;
+    double areas[2]{};
+    for (uint32_t i = left.first; i < right.first + right.count; ++i) {
+      const PrimitiveReference& r = references_[i];
+      grow_centers((i < right.first ? left : right).centers, r);
+      if (spare > 0) {
+        const float x = r.hi[0] - r.lo[0], y = r.hi[1] - r.lo[1], z = r.hi[2] - r.lo[2];
+        areas[i < right.first ? 0 : 1] += x * y + y * z + z * x;
+      }
+    }
+    if (spare == 0) return;
+    const double sum = areas[0] + areas[1];
+    left.spare = sum > 0 ? static_cast<uint32_t>(std::lround(spare * (areas[0] / sum))) : 0;
+    right.spare = spare - left.spare;
+    // Their order does not matter: no more are moved than there is room to cross.
+    const auto begin = references_.begin() + right.first;
+    const uint32_t moved = std::min(left.spare, right.count);
+    std::copy(begin, begin + moved, begin + right.count + left.spare - moved);
+    right.first += left.spare;
   }
 
   /// Returns the node's costs.
@@ -215,7 +244,7 @@ class SahBuilder {
     Range left, right;
     const bool is_small =
         range.count <= most_in_leaf_ && !(range.bounds.area() > kLargeLeaf * binary_[0].bounds.area());
-    if (range.count > 1 && !is_small && divide(range, depth, left, right)) {
+    if (range.count + range.spare > 1 && !is_small && divide(range, depth, left, right)) {
       node.left = next_.fetch_add(2);
       const auto split_left = [&] { return split(node.left, left, depth + 1, task_levels - 1); };
       if (task_levels > 0 && range.count >= kLeastPerTask) {
@@ -239,7 +268,7 @@ class SahBuilder {
     // A box without area, all on a line, must cost something too.
     return node.bounds.area() + std::numeric_limits<float>::min();
   }
-  static float leaf_cost(const BinaryNode& node) { return area_of(node) * work(node.count); }
+  static float leaf_cost(const BinaryNode& node) { return area_of(node) * blocks_of(node.count); }
 
   /// The costs of a node that is split, from its children's.
   Costs plan(BinaryNode& node, const Costs& left, const Costs& right) const {
@@ -300,10 +329,23 @@ class SahBuilder {
     return leaf.first(kept + 1);
   }
 
+  /// The references of a node, between which there may be spare places.
+  void collect(const BinaryNode& node, std::vector<PrimitiveReference>& into) const {
+    if (node.left == 0) {
+      const auto first = references_.begin() + node.first;
+      into.insert(into.end(), first, first + node.count);
+      return;
+    }
+    collect(binary_[node.left], into);
+    collect(binary_[node.left + 1], into);
+  }
+
   /// Leaves come in the order of their references, which go when many have become leaves.
   ChildRef emit_leaf(const BinaryNode& node) {
     constexpr size_t kMany = size_t{4} << 20;  // bytes
-    const ChildRef leaf = make_leaf_(without_repeats(std::span(references_).subspan(node.first, node.count)));
+    leaf_.clear();
+    collect(node, leaf_);
+    const ChildRef leaf = make_leaf_(without_repeats(leaf_));
     const size_t done = size_t{node.first} + node.count;
     if ((done - released_) * sizeof(PrimitiveReference) >= kMany) {
       release_pages(&references_[released_], (done - released_) * sizeof(PrimitiveReference));
@@ -330,12 +372,14 @@ class SahBuilder {
   }
 
   LargeVector<PrimitiveReference> references_;
+  SpatialSplits spatial_;
   struct Free {
     void operator()(BinaryNode* nodes) const { free_large(nodes); }
   };
   std::unique_ptr<BinaryNode[], Free> binary_;
-  std::atomic<uint32_t> next_ = 1;  ///< of binary_
-  size_t released_ = 0;             ///< references
+  std::atomic<uint32_t> next_ = 1;        ///< of binary_
+  size_t released_ = 0;                   ///< references
+  std::vector<PrimitiveReference> leaf_;  ///< that is being made
   size_t most_in_leaf_;
   const LeafMaker& make_leaf_;
   LargeVector<VolumeNode>& nodes_;
@@ -347,9 +391,7 @@ class SahBuilder {
 
 ChildRef build_sah(LargeVector<PrimitiveReference> references, const PrimitiveSource& source,
                    const BuildOptions& options, const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes) {
-  clip_large(references, source, options.stop);
-  if (options.progress) options.progress->total += references.size() - source.size();
-  return SahBuilder(std::move(references), options, make_leaf, nodes).build();
+  return SahBuilder(std::move(references), source, options, make_leaf, nodes).build();
 }
 
 }  // namespace rayfarm

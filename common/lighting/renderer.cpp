@@ -1,6 +1,7 @@
 #include "common/lighting/renderer.h"
 
 #include "common/image/film.h"
+#include "common/lighting/eye_rays.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
@@ -111,11 +112,22 @@ class Renderer::Rendering {
     pulse_();
   }
 
-  void add_eye_ray(const Camera& camera, const SampleId& id, double x, double y, RayPacket& rays) const {
-    const Ray ray = camera.has_lens()
-                        ? camera.ray(x, y, sample_disk(tables_.sampler.point(id, dimension::kLens)))
-                        : camera.ray(x, y);
-    rays.push_back(ray.origin, ray.direction);
+  /// Where the eye rays of a packet pass through the picture.
+  struct RasterPoints {
+    alignas(64) std::array<double, kMostPacketRays> x{}, y{};
+  };
+  /// The rays of a packet whose size is set.
+  void aim(const Camera& camera, std::span<const SampleId> ids, const RasterPoints& at,
+           RayPacket& rays) const {
+    if (!camera.has_lens()) {
+      make_eye_rays(camera, at.x.data(), at.y.data(), rays);
+      return;
+    }
+    for (size_t i = 0; i < rays.size; ++i) {
+      const Ray ray =
+          camera.ray(at.x[i], at.y[i], sample_disk(tables_.sampler.point(ids[i], dimension::kLens)));
+      rays.set(i, ray.origin, ray.direction);
+    }
   }
 
   /// The moment of a sample. All pixels of a block share it, so that their rays stay together.
@@ -137,13 +149,16 @@ class Renderer::Rendering {
                     RenderedPixels& counted, Color* colors, double* weights) {
     const Moment& moment = moment_of(block, sample);
     RayPacket rays;
+    RasterPoints at;
     OfPacket<SampleId> ids;
     for (const Pixel& p : pixels) {
       const SampleId& id = ids.push_back({p.x, p.y, sample});
       const PixelFilter::Place place = place_of(id);
-      add_eye_ray(moment.camera, id, p.x + 0.5 + place.offset.x, p.y + 0.5 + place.offset.y, rays);
+      at.x[rays.size] = p.x + 0.5 + place.offset.x;
+      at.y[rays.size++] = p.y + 0.5 + place.offset.y;
       *weights++ = place.weight;
     }
+    aim(moment.camera, ids.span(), at, rays);
     trace(moment, rays, ids.span(), counted, colors);
   }
 
@@ -173,6 +188,7 @@ class Renderer::Rendering {
     std::vector<Color> row(columns);
     const auto trace_row = [&](int y) {
       RayPacket rays;
+      RasterPoints at;
       OfPacket<SampleId> ids;
       for (size_t i = 0; i < columns; ++i) {
         const int x = rect_.x0 * a + static_cast<int>(i);
@@ -181,10 +197,11 @@ class Renderer::Rendering {
           return (column < rect_.x1 * a || column == settings_.crop.x1 * a) &&
                  (y < rect_.y1 * b || y == settings_.crop.y1 * b);
         };
-        const SampleId& id = ids.push_back({x, y, 0});
-        add_eye_ray(moments_.front().camera, id, static_cast<double>(x) / a, static_cast<double>(y) / b,
-                    rays);
+        ids.push_back({x, y, 0});
+        at.x[rays.size] = static_cast<double>(x) / a;
+        at.y[rays.size++] = static_cast<double>(y) / b;
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
+        aim(moments_.front().camera, ids.span(), at, rays);
         trace(moments_.front(), rays, ids.span(), owns(x) ? result_ : counted_elsewhere_,
               &row[i + 1 - rays.size]);
         rays.clear();

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "host/commands/build_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/process/console.h"
@@ -24,9 +25,9 @@ void list_files_outside(const SceneDescription& scene) {
   }
 }
 
-int check(const std::string& path) {
+int check(const std::string& path, BuildQuality quality) {
   const SceneDescription scene = load_scene(path);
-  const CompiledScene compiled = compile_and_look(scene);
+  const CompiledScene compiled = compile_and_look(scene, quality);
   for (const std::string& file : scene.files) fmt::print("{}\n", file);
   list_files_outside(scene);
   const size_t warnings = compiled.notes.lines().size();
@@ -41,11 +42,14 @@ int check(const std::string& path) {
 
 void add_check_command(CommandLine& line) {
   const auto path = std::make_shared<std::string>();
+  const auto quality = std::make_shared<BuildQuality>(BuildQuality::balanced);
   Verb verb;
   verb.name = "check";
   verb.help = "validate a scene and list every file it uses";
-  verb.run = [path](const Renders&) { return check(*path); };
-  line.add(std::move(verb)).text("SCENE", *path, ".yaml, .nff or .rfp").required();
+  verb.run = [path, quality](const Renders&) { return check(*path, *quality); };
+  Options options = line.add(std::move(verb));
+  options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
+  add_build_option(options, *quality);
 }
 
 }  // namespace rayfarm

@@ -5,6 +5,7 @@
 #include "common/compile/compile.h"
 #include "common/description/part_file.h"
 #include "common/image/image_file.h"
+#include "host/commands/build_option.h"
 #include "host/commands/commands.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
@@ -66,6 +67,7 @@ void add_compile_command(CommandLine& line) {
       "how volumes are split: by the surface area heuristic, or about the centre of the data (default: sah)");
   options.number("--max-primitives", o->build.max_primitives, 1, 1000,
                  "in a leaf of the hierarchy (default: 8)");
+  add_build_option(options, o->build.quality);
 }
 
 }  // namespace rayfarm

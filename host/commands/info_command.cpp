@@ -2,6 +2,7 @@
 
 #include "common/description/primitive_counts.h"
 #include "common/hierarchy/frame_state.h"
+#include "host/commands/build_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/process/exit_code.h"
@@ -40,9 +41,9 @@ std::string megabytes(size_t bytes) {
   return fmt::format("{:.2f} MiB", static_cast<double>(bytes) / (1 << 20));
 }
 
-int print_info(const std::string& path) {
+int print_info(const std::string& path, BuildQuality quality) {
   const SceneDescription scene = load_scene(path);
-  const CompiledScene compiled = compile_and_look(scene);
+  const CompiledScene compiled = compile_and_look(scene, quality);
   const Scene& s = compiled.scene;
   fmt::print("files\n");
   for (const std::string& file : scene.files) fmt::print("  {}\n", file);
@@ -84,11 +85,14 @@ int print_info(const std::string& path) {
 
 void add_info_command(CommandLine& line) {
   const auto path = std::make_shared<std::string>();
+  const auto quality = std::make_shared<BuildQuality>(BuildQuality::balanced);
   Verb verb;
   verb.name = "info";
   verb.help = "print a scene's counts, bounds, object tree and memory";
-  verb.run = [path](const Renders&) { return print_info(*path); };
-  line.add(std::move(verb)).text("SCENE", *path, ".yaml, .nff or .rfp").required();
+  verb.run = [path, quality](const Renders&) { return print_info(*path, *quality); };
+  Options options = line.add(std::move(verb));
+  options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
+  add_build_option(options, *quality);
 }
 
 }  // namespace rayfarm

@@ -5,6 +5,7 @@
 
 #include "common/sampling/sampler.h"
 #include "common/scene/settings_codec.h"
+#include "host/commands/build_option.h"
 #include "host/commands/colour_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/net_options.h"
@@ -171,6 +172,7 @@ void add_hierarchy(Options& options, RenderOptions& o) {
       "--hierarchy", o.split_rule, {{"sah", SplitRule::sah}, {"thesis", SplitRule::thesis}},
       "how volumes are split: by the surface area heuristic, or about the centre of the data (default: sah)");
   options.number("--max-primitives", o.max_primitives, 1, 1000, "in a leaf of the hierarchy (default: 8)");
+  add_build_option(options, o.build_quality);
 }
 
 void add_net(Options& options, RenderOptions& o) {

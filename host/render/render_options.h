@@ -35,7 +35,8 @@ struct RenderOptions {
   std::vector<double> time_factors;  ///< of emulated processors
   SplitRule split_rule = SplitRule::sah;
   uint32_t max_primitives = 8;  ///< in a leaf of the hierarchy
-  int local_nodes = 0;          ///< 0: one per core
+  BuildQuality build_quality = BuildQuality::balanced;
+  int local_nodes = 0;  ///< 0: one per core
   double node_timeout_s = liveness::kNodeTimeout_s;
   bool skip_existing = false;
   std::string stats, cost_map;

@@ -2,7 +2,7 @@
 // at points on edges, along axes and out of the middle, is traced alone, in packets and for any hit, and
 // compared with testing every primitive. Any difference is printed and makes the exit code 1.
 //
-//   check_hits RAYS SCENE...
+//   check_hits [--build=fast|balanced|high] RAYS SCENE...
 #include <fmt/format.h>
 
 #include <atomic>
@@ -118,14 +118,24 @@ class Checker {
 }  // namespace
 
 int main(int argc, char** argv) {
+  BuildOptions options;
+  const std::string build = argc > 1 ? argv[1] : "";
+  for (const auto& [word, quality] : {std::pair{"--build=fast", BuildQuality::fast},
+                                      {"--build=balanced", BuildQuality::balanced},
+                                      {"--build=high", BuildQuality::high}})
+    if (build == word) {
+      options.quality = quality;
+      --argc;
+      ++argv;
+    }
   const long rays = argc > 2 ? std::atol(argv[1]) : 0;
   if (rays <= 0) {
-    fmt::print(stderr, "usage: check_hits RAYS SCENE...\n");
+    fmt::print(stderr, "usage: check_hits [--build=fast|balanced|high] RAYS SCENE...\n");
     return 2;
   }
   size_t all = 0;
   for (int i = 2; i < argc; ++i) try {
-      const CompiledScene compiled = compile(load_scene(argv[i]));
+      const CompiledScene compiled = compile(load_scene(argv[i]), options);
       const Checker checker(compiled);
       const size_t threads = std::max(1u, std::thread::hardware_concurrency());
       std::atomic<size_t> mismatches = 0;

@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+#include "common/lighting/eye_rays.h"
 #include "common/math/portable_math.h"
 #include "tests/unit/test_scene.h"
 
@@ -76,6 +77,33 @@ TEST(Lanes, PowersAreThoseOfOneNumber) {
       for (size_t i = 0; i < 8; ++i)
         ASSERT_TRUE(same_bits(result[i], portable_pow(base[i], exponent[i])))
             << base[i] << "^" << exponent[i] << ": " << result[i];
+    }
+  });
+}
+
+// Rays through the display polygon (thesis 2.3.2, Equation 2.8).
+TEST(Lanes, EyeRaysAreThoseOfOne) {
+  std::mt19937 random(6);
+  on_every_target([&] {
+    for (int n = 0; n < 300; ++n) {
+      Camera camera;
+      camera.location = test::random_point(random, 10);
+      const double size = n % 3 == 0 ? 1e-150 : 1;  // whose square underflows
+      camera.top_left = test::random_point(random, size);
+      camera.per_x = test::random_point(random, 0.01 * size);
+      camera.per_y = test::random_point(random, 0.01 * size);
+      alignas(64) double x[8], y[8];
+      for (size_t i = 0; i < 8; ++i) {
+        x[i] = test::uniform(random, 0, 1000);
+        y[i] = test::uniform(random, 0, 1000);
+      }
+      RayPacket rays;
+      make_eye_rays(camera, x, y, rays);
+      for (size_t i = 0; i < 8; ++i) {
+        const Ray ray = camera.ray(x[i], y[i]);
+        ASSERT_TRUE(same_bits(rays.origin(i), ray.origin) && same_bits(rays.direction(i), ray.direction) &&
+                    rays.t_max[i] == ray.t_max);
+      }
     }
   });
 }

@@ -21,6 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// What the lanes' materials scatter: at most a diffuse lobe about the normal, one straight through and a
 /// mirror's. A lobe that is not there attenuates all.
 struct RealLobes {
+  HWY_INLINE RealLobes() {}  // GCC makes one that is not of the target
   Real3 diffuse, transmitted, reflected;  ///< attenuations
   Real3 through, mirror;                  ///< directions
   Truth has_diffuse, has_transmitted, has_reflected;
