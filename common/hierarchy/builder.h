@@ -66,8 +66,8 @@ enum class SplitRule : uint8_t {
 /// What a build may take for the sake of the rays. The pictures are the same.
 enum class BuildQuality : uint8_t {
   fast,      ///< primitives stay whole
-  balanced,  ///< spatial splits where they are seen to pay, up to 1.3 references a primitive
-  high       ///< up to 2 references a primitive
+  balanced,  ///< spatial splits where they are seen to pay, up to 1.3 references a primitive on average
+  high       ///< up to 2
 };
 
 /// How far a build is, for those who watch it from another thread.

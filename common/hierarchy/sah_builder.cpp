@@ -65,6 +65,7 @@ class SahBuilder {
       grow_centers(all.centers, r);
     }
     all.spare = static_cast<uint32_t>(spatial_.budget());
+    references_.reserve(references_.size() + all.spare);  // no more than is wanted
     references_.resize(references_.size() + all.spare);
     split(0, all, 0, task_levels);
     return emit(0);

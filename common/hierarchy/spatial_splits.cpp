@@ -174,7 +174,7 @@ SpatialSplits::Sides SpatialSplits::divide(PrimitiveReference* first, size_t cou
       const Straddler s{r, piece(source_, r, plane.axis, plane.position, false),
                         piece(source_, r, plane.axis, plane.position, true)};
       if (is_empty(s.high))
-        keep_left(s.low);
+        keep_left(is_empty(s.low) ? s.whole : s.low);  // both: by rounding
       else if (is_empty(s.low))
         keep_right(s.high);
       else

@@ -43,7 +43,8 @@ void find_closest_of_packet(const Scene& scene, const Pose& pose, const RayPacke
 
 uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among) {
   std::array<AnyHit, kPacketRays> searches;
-  for (size_t i = 0; i < kPacketRays; ++i) searches[i] = AnyHit(scene, rays.t_max[i]);
+  for (size_t i = 0; i < kPacketRays; ++i)
+    searches[i] = AnyHit(scene, among >> i & 1 ? rays.t_max[i] : 0);  // others may hold anything
   search_for_packet(scene, pose, rays, among, searches.data());
   uint32_t hits = 0;
   for (size_t i = 0; i < kPacketRays; ++i) hits |= static_cast<uint32_t>(searches[i].is_over()) << i;
@@ -92,7 +93,7 @@ void closest_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, H
 }
 
 uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among) {
-  return HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays, among);
+  return among == 0 ? 0 : HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays, among);
 }
 
 Hit closest_hit_brute_force(const Scene& scene, const Pose& pose, const Ray& ray) {

@@ -18,8 +18,9 @@ Hit closest_hit(const Scene& scene, const Pose& pose, const Ray& ray);
 bool any_hit(const Scene& scene, const Pose& pose, const Ray& ray);
 
 /// The same answers for all rays of a packet at once, faster where they have nearly the same direction.
-/// hits[i] is for rays[i]; bit i of the result of any_hits tells that ray i hits anything, of those
-/// that are `among` the bits given: only these lanes are read.
+/// hits[i] is for rays[i], of which there is one at least; bit i of the result of any_hits tells that ray i
+/// hits anything, of those `among` the bits given, whatever the packet's size: what lies in other lanes
+/// changes nothing.
 void closest_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, Hit* hits);
 uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among);
 inline uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays) {

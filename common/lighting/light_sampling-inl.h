@@ -91,7 +91,8 @@ HWY_INLINE void sample_triangle_light(std::span<const LuminaireTriangle> triangl
   const Real cosine = dot(normal, sample.to_light);
   sample.pdf = real(1 / area) * square / hn::Neg(cosine);
   sample.target = target_off(point, normal, magnitude, p);
-  const Truth is_seen = hn::And(cosine<hn::Zero(d), sample.pdf> hn::Zero(d));
+  const Truth is_facing = cosine<hn::Zero(d), has_density = sample.pdf> hn::Zero(d);
+  const Truth is_seen = hn::And(is_facing, has_density);
   const Real3 incident = all(emission) / sample.pdf;
   sample.incident = select(is_seen, incident, all(hn::Zero(d)));
 }

@@ -32,7 +32,7 @@ struct RayPacket {
   alignas(64) VectorLanes origins;
   alignas(64) VectorLanes directions;  ///< any length > 0
   alignas(64) double t_max[kMostPacketRays];
-  size_t size = 0;  ///< what lies in the lanes from here on is never read
+  size_t size = 0;  ///< what lies in the lanes from here on means nothing
 
   bool empty() const { return size == 0; }
   bool is_full() const { return size == kMostPacketRays; }

@@ -2,7 +2,7 @@
 // Arrays as large as a scene. The system hands out memory in pages of 4 KiB, each at its first use and
 // zeroed: a quarter of a million interruptions a GiB, and as many entries for the processor to look up while
 // rays wander through it. Large arrays ask for pages of 2 MiB (Linux: transparent huge pages, where
-// /sys/kernel/mm/transparent_hugepage/enabled is `madvise` or `always`; elsewhere nothing changes).
+// /sys/kernel/mm/transparent_hugepage/enabled is `madvise` or `always`; where not, nothing changes).
 #include <algorithm>
 #include <cstddef>
 #include <vector>

@@ -22,7 +22,7 @@ using Words = hn::Vec<WordTag>;          ///< 64 bits a lane
 using HalfWords = hn::Vec<HalfWordTag>;  ///< 32 bits a lane
 
 HWY_INLINE Words times(Words a, uint64_t factor) {
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#if HWY_TARGET == HWY_SCALAR || (HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3)
   return hn::Mul(a, hn::Set(WordTag(), factor));
 #else
   const hn::Repartition<uint32_t, WordTag> halves;

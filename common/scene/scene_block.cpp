@@ -113,7 +113,7 @@ SceneBlock encode_scene(SceneArrays<GrowingArray>&& arrays) {
       std::memcpy(to + at, from + at, length);
       if (bytes > kPiece) release_pages(from + at, length);
     }
-    array = {};
+    array = GrowingArray<T>();  // {} would keep the room
   });
 }
 

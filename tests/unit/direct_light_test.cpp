@@ -14,14 +14,14 @@
 namespace rayfarm {
 namespace {
 
-struct Light2 {
+struct DirectTerms {
   Color diffuse{0}, specular{0};
 };
 
 /// Equation 2.4's terms for one surface: Lambert's, and Phong's or Torrance and Sparrow's.
-Light2 reference(const FrameContext& context, Highlights::Shape shape, const Surface& s,
-                 const Material& material, const Vec3& direction) {
-  Light2 sum;
+DirectTerms reference(const FrameContext& context, Highlights::Shape shape, const Surface& s,
+                      const Material& material, const Vec3& direction) {
+  DirectTerms sum;
   for (const Light& light : context.scene.lights) {
     Vec3 target = light.position, to_light = target - s.p;
     Color color = light.color;
@@ -63,6 +63,7 @@ lights:
   - {position: [-3, 2, 1], color: [0.3, 0.4, 0.5]}
   - {direction: [0.2, -1, -0.3], color: [0.2, 0.3, 0.1]}
   - {position: [1, 3, -2], falloff: true, color: [2, 1, 3]}
+  - {position: [0, 4, 0], direction: [0.1, -1, 0.05], angle: 20, dark_angle: 35, color: [0.5, 0.6, 0.2]}
 materials:
   dull: {color: 0.5, diffuse: 0.7}
   shiny: {color: 0.7, diffuse: 0.3, specular: 0.6, shininess: 17.5}
@@ -98,8 +99,9 @@ scene:
       RayCounts counts;
       add_direct_light(context, {.shape = shape}, surfaces, counts);
       for_each_ray(surfaces.met, [&](size_t i) {
-        const Light2 one = reference(context, shape, eval_surface(compiled.scene, pose, rays[i], hits[i]),
-                                     *surfaces.materials[i], rays.direction(i));
+        const DirectTerms one =
+            reference(context, shape, eval_surface(compiled.scene, pose, rays[i], hits[i]),
+                      *surfaces.materials[i], rays.direction(i));
         EXPECT_TRUE(same_bits(lane_of(surfaces.diffuse, i), one.diffuse)) << "packet " << n << ", ray " << i;
         EXPECT_TRUE(same_bits(lane_of(surfaces.specular, i), one.specular))
             << "packet " << n << ", ray " << i;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <numbers>
 #include <random>
 
 #include "common/hierarchy/traverser.h"
@@ -170,7 +171,7 @@ TEST(Lanes, SineAndCosine) {
         },
         2,
         [](std::mt19937_64& random) {
-          return std::array{random() % 4 == 0 ? static_cast<double>(random() % 64) * M_PI / 8 - 12
+          return std::array{random() % 4 == 0 ? static_cast<double>(random() % 64) * std::numbers::pi / 8 - 12
                                               : uniform(random, -20, 20)};
         },
         [](const auto& row) {

@@ -44,9 +44,13 @@ SceneDescription make_beams(uint32_t seed, int beams, int specks) {
 }
 
 size_t count_references(const Scene& scene) {
-  size_t count = 0;
-  for (const TriangleBlock& block : scene.triangle_blocks)
-    for (const PrimitiveId id : block.primitives) count += id != kNoPrimitive;
+  size_t count = scene.leaf_primitives.size();
+  const auto add = [&](const auto& blocks) {
+    for (const auto& block : blocks)
+      for (const PrimitiveId id : block.primitives) count += id != kNoPrimitive;
+  };
+  add(scene.triangle_blocks);
+  add(scene.sphere_blocks);
   return count;
 }
 
@@ -60,6 +64,7 @@ Ray random_ray(std::mt19937& random) {
 void compare_builds(const SceneDescription& description, int rays) {
   std::vector<CompiledScene> builds;
   for (const BuildQuality quality : kQualities) builds.push_back(compile(description, {.quality = quality}));
+  ASSERT_LT(count_references(builds[0].scene), count_references(builds[1].scene)) << "nothing is divided";
   std::vector<std::unique_ptr<FrameState>> states;
   for (const CompiledScene& build : builds) states.push_back(std::make_unique<FrameState>(build.scene));
   std::mt19937 random(31);
@@ -84,7 +89,11 @@ void compare_builds(const SceneDescription& description, int rays) {
 
 TEST(SpatialSplits, EveryBuildAnswersAsBruteForce) {
   compare_builds(make_beams(1, 60, 500), 2000);
-  compare_builds(test::make_mixed_scene(3, 1, 300), 2000);  // spheres, quadrics and polygons, too
+  SceneDescription mixed = test::make_mixed_scene(3, 1, 300);  // spheres, quadrics and polygons, too
+  mixed.objects[0].primitives.push_back(make_beams(1, 60, 500).objects[0].primitives[0]);
+  mixed.objects[0].primitives.push_back({ConeShape{Vec3(-1), Vec3(1, 0.9, 0.8), 0.02, 0.01}, 0, {}});
+  mixed.objects[0].primitives.push_back({SphereShape{Vec3(0), 0.9}, 0, {}});
+  compare_builds(mixed, 2000);
 }
 
 TEST(SpatialSplits, PartsThatMoveAreDividedInTheirOwnSpace) {

@@ -120,7 +120,8 @@ void compare_with_single_surfaces(const CompiledScene& compiled, double scale, i
     RayPacket rays;
     const Vec3 from = test::random_point(random, scale), to = test::random_point(random, scale);
     const bool are_strangers = random() % 2;
-    for (size_t i = 0; i < 1 + random() % kMostPacketRays && !rays.is_full(); ++i) {
+    const size_t size = 1 + random() % kMostPacketRays;
+    for (size_t i = 0; i < size; ++i) {
       const Vec3 origin = are_strangers ? test::random_point(random, scale) : from;
       rays.push_back(origin, to + test::random_point(random, 0.05 * scale) - origin);
     }

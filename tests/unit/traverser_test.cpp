@@ -22,7 +22,8 @@ std::vector<Ray> random_packet(std::mt19937& random, double scale) {
   std::vector<Ray> rays;
   const Ray first = random_ray(random, scale);
   const uint32_t kind = random() % 4;
-  for (size_t i = 0; i < 1 + random() % kMostPacketRays; ++i) {
+  const size_t size = 1 + random() % kMostPacketRays;
+  for (size_t i = 0; i < size; ++i) {
     Ray ray = kind == 0 ? random_ray(random, scale) : first;
     if (kind == 1) ray.direction += test::random_point(random, 0.02);
     if (kind == 2) ray.origin += test::random_point(random, 0.1 * scale);
@@ -71,6 +72,18 @@ void compare_packets_with_single_rays(const CompiledScene& compiled, double scal
     closest_hits(compiled.scene, pose, RayPacket(rays), hits.data());
     const uint32_t any = any_hits(compiled.scene, pose, RayPacket(rays));
     EXPECT_EQ(any >> rays.size(), 0u);
+    // Some of a packet's lanes, wherever they are; what lies in the others changes nothing.
+    RayPacket with_gaps;
+    with_gaps.size = kMostPacketRays;
+    const uint32_t among = random() % 256 & RayPacket(rays).all();
+    for (size_t i = 0; i < kMostPacketRays; ++i) {
+      const double no_number = std::numeric_limits<double>::quiet_NaN();
+      if (among >> i & 1)
+        with_gaps.set(i, rays[i].origin, rays[i].direction, rays[i].t_max);
+      else
+        with_gaps.set(i, Vec3(no_number), Vec3(no_number), no_number);
+    }
+    EXPECT_EQ(any_hits(compiled.scene, pose, with_gaps, among), any & among);
     for (size_t i = 0; i < rays.size(); ++i) {
       const Hit single = closest_hit(compiled.scene, pose, rays[i]);
       expect_same(hits[i], single);

@@ -13,9 +13,9 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  /// Sets `colors`, those seen along eye rays, best neighbours; `ids` tell which
-  /// samples they are. A colour does not depend on the other rays of its packet. `counts` grows by every ray
-  /// traced. Returns how many of the eye rays met an object.
+  /// Sets `colors`, those seen along eye rays, best neighbours; `ids` tell which samples they are. A colour
+  /// does not depend on the other rays of its packet. `counts` grows by every ray traced. Returns how many of
+  /// the eye rays met an object.
   size_t trace(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                RayCounts& counts, Color* colors) {
     counts[RayKind::primary] += rays.size;

@@ -21,7 +21,7 @@ struct alignas(64) PathColumns {
   uint32_t places[kMostPacketRays];            ///< of the eye rays
 
   Surfaces surfaces;  ///< that they meet
-  // Of the material there. Lanes outside the sets are never read.
+  // Of the material there. Lanes outside the sets mean nothing.
   alignas(
       64) double index_ratio[kMostPacketRays];  ///< behind the surface over before it; of a polish over air
   VectorLanes substrate;                        ///< what is reflected diffusely, under a polish or bare
@@ -32,8 +32,8 @@ struct alignas(64) PathColumns {
   LaneSet can_reflect, can_transmit;  ///< not yet as often as is allowed
 
   void clear_sets();
-  /// Describes what a lane's surface is made of. False, with nothing set, if that is not for a step in lanes:
-  /// it has a texture or spread highlights, shines, or is of another family.
+  /// Describes what a lane's surface is made of. False, with the sets as they were, if that is not for a step
+  /// in lanes: it has a texture or spread highlights, shines, or is of another family.
   bool set_material(const Scene& scene, size_t lane, const Media& media);
   /// Leaves the paths of these lanes, close together; their rays go as far as they can.
   void keep(LaneSet lanes);
