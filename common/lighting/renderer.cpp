@@ -114,7 +114,8 @@ class Renderer::Rendering {
 
   /// Where the eye rays of a packet pass through the picture.
   struct RasterPoints {
-    alignas(64) std::array<double, kMostPacketRays> x{}, y{};
+    RasterPoints() {}  // leaves the lanes as they are
+    alignas(64) std::array<double, kMostPacketRays> x, y;
   };
   /// The rays of a packet whose size is set.
   void aim(const Camera& camera, std::span<const SampleId> ids, const RasterPoints& at,

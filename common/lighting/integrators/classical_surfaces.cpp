@@ -118,7 +118,7 @@ namespace {
 Vec2 light_point(const FrameContext& context, const ClassicalSurfaces& s, size_t i, uint32_t light) {
   if (!has_extent(context.scene.lights[light])) return Vec2(0);
   const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{s.streams[i]} << 32 | light));
-  return context.tables.sampler.point(s.ids[i], stream << 8 | dimension::kLightPoint);
+  return context.tables.sampler.point(*s.ids[i], stream << 8 | dimension::kLightPoint);
 }
 
 /// What source number `light` sends to the surfaces of `wanted`.
@@ -177,7 +177,7 @@ uint32_t where(uint32_t among, Condition condition) {
 
 const Material* ClassicalSurfaces::apply_textures(const FrameContext& context, size_t i, double width) {
   const double choice = context.scene.materials[at.material[i]].kind == MaterialKind::mix
-                            ? context.tables.sampler.point(ids[i], dimension::of_mix(streams[i])).x
+                            ? context.tables.sampler.point(*ids[i], dimension::of_mix(streams[i])).x
                             : 0;
   Surface surface = at[i];
   set_lane(color, i,

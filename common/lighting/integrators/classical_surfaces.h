@@ -33,15 +33,15 @@ struct ClassicalSurfaces {
   alignas(64) VectorLanes color;     ///< the materials', textured
   alignas(64) VectorLanes diffuse;   ///< light that takes the surface's colour
   alignas(64) VectorLanes specular;  ///< light that does not
-  SampleId ids[kMostPacketRays];
+  const SampleId* ids[kMostPacketRays];
   uint32_t streams[kMostPacketRays];
   const Media* media[kMostPacketRays];  ///< that the ray came through; null: none
 
   /// The surface of ray i gets its material. No light yet. `width`: of the ray's cone at the hit; `stream`
-  /// tells the rays of one sample apart, for their random numbers.
+  /// tells the rays of one sample apart, for their random numbers. `id` and `through` must outlive it.
   void begin(const FrameContext& context, size_t i, double width, const SampleId& id, uint32_t stream,
              const Media* through = nullptr) {
-    ids[i] = id;
+    ids[i] = &id;
     streams[i] = stream;
     media[i] = through;
     const Material* material = &context.scene.materials[at.material[i]];

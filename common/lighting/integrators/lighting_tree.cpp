@@ -30,18 +30,13 @@ SecondaryRays secondary_rays(const ClassicalSurfaces& surfaces, size_t i, const 
   return rays;
 }
 
-void LightingTree::plant(const RayPacket& rays, std::span<const SampleId> ids, double spread, Color* colors) {
+OfPacket<Branch>& LightingTree::plant(std::span<const SampleId> ids, double spread, Color* colors) {
   while (Batch* const left = next_batch()) end(*left);  // of rays whose tracing ended in an exception
   forks_.clear();
   colors_ = colors;
-  Batch& batch = begin_batch(1);
-  batch.rays = rays;
-  for (size_t i = 0; i < rays.size; ++i) {
-    Branch& branch = batch.branches.emplace_back();
-    branch.receiver.place = static_cast<uint32_t>(i);
-    branch.id = ids[i];
-    branch.spread = spread;
-  }
+  eye_branches_.clear();
+  for (size_t i = 0; i < ids.size(); ++i) eye_branches_.emplace_back(ids[i], i, spread);
+  return eye_branches_;
 }
 
 Branch& LightingTree::grow(const Branch& from, const Vec3& origin, const Vec3& direction, double share,

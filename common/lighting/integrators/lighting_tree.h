@@ -25,12 +25,16 @@ struct Receiver {
 
 /// Where a ray stands in its lighting tree.
 struct Branch {
+  /// Of an eye ray. It sets what is read and no more: many are made, and clearing all of one first, as a
+  /// constructor that the compiler makes does, costs more than making it.
+  Branch(const SampleId& of, size_t ray, double of_spread)
+      : receiver{.place = static_cast<uint32_t>(ray)}, id(of), spread(of_spread) {}
   Receiver receiver;
   double weight = 1;    ///< the largest share that its colour can have in its pixel
   SampleId id;          ///< its sample
   uint32_t stream = 0;  ///< tells the branches of one sample apart, for their random numbers
   /// Of its cone where it begins (once traced: where it ends), and what it gains with each unit of length.
-  double width = 0, spread = 0;
+  double width = 0, spread;
   uint16_t reflections = 0, transmissions = 0;  ///< on the way from the eye, this ray's own with them
   Media media;                                  ///< that it is in
   /// Sources that it meets were found by the shadow rays of the surface that a diffuse ray left.
@@ -61,7 +65,7 @@ static_assert(std::is_trivially_copyable_v<Fork>);
 
 /// Rays of one depth to trace.
 struct Batch {
-  uint32_t depth = 1;  ///< of eye rays
+  uint32_t depth;
   RayPacket rays;
   OfPacket<Branch> branches;
 };
@@ -83,8 +87,9 @@ SecondaryRays secondary_rays(const ClassicalSurfaces& surfaces, size_t i, const 
 
 class LightingTree {
  public:
-  /// Begins anew with eye rays, the first batch; `colors` are set as what they see is known.
-  void plant(const RayPacket& rays, std::span<const SampleId> ids, double spread, Color* colors);
+  /// Begins anew with eye rays, of depth 1, and returns their branches; `colors` are set as what they see is
+  /// known.
+  OfPacket<Branch>& plant(std::span<const SampleId> ids, double spread, Color* colors);
 
   /// Numbers of the rays that leave a surface, which tell them apart; from kFirstOwn on they are the model's,
   /// and from kOfLobe on the others of a lobe, each that far from the one before it.
@@ -163,6 +168,7 @@ class LightingTree {
                  const ClassicalSurfaces& surfaces, size_t i, const OfLobe& lobe, Batch*& batch, Cross cross);
 
   Pool<Fork> forks_;
+  OfPacket<Branch> eye_branches_;
   std::deque<Batch> batches_;  ///< the first `batch_count_` of them: what lies under others may have ended
   size_t batch_count_ = 0;
   Color* colors_ = nullptr;

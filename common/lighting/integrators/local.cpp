@@ -14,7 +14,7 @@ class LocalIntegrator : public Integrator {
  private:
   size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
-    std::array<Hit, kMostPacketRays> hits;
+    OfPacket<Hit> hits;
     closest_hits(context.scene, context.pose, rays, hits.data());
     ClassicalSurfaces surfaces(context, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {

@@ -82,15 +82,15 @@ class ThesisTracer {
   size_t trace(const RayPacket& rays, std::span<const SampleId> ids, Color* colors) {
     gatherings_.clear();
     ready_.clear();
-    tree_.plant(rays, ids, context_.spread, colors);
-    const size_t eye_hits = trace(*tree_.next_batch());
+    const size_t eye_hits = trace(1, rays, tree_.plant(ids, context_.spread, colors));
     while (true) {
       if (!ready_.empty()) {
         const uint32_t next = ready_.back();
         ready_.pop_back();
         resume(next);
       } else if (Batch* const batch = tree_.next_batch()) {
-        trace(*batch);
+        trace(batch->depth, batch->rays, batch->branches);
+        LightingTree::end(*batch);
       } else {
         return eye_hits;
       }
@@ -99,14 +99,14 @@ class ThesisTracer {
 
  private:
   /// Returns how many rays met an object.
-  size_t trace(Batch& batch) {
-    std::array<Hit, kMostPacketRays> hits;
-    closest_hits(scene_, context_.pose, batch.rays, hits.data());
-    ClassicalSurfaces surfaces(context_, batch.rays, hits.data());
-    for (size_t i = 0; i < batch.rays.size; ++i) {
-      Branch& branch = batch.branches[i];
+  size_t trace(uint32_t depth, const RayPacket& rays, OfPacket<Branch>& branches) {
+    OfPacket<Hit> hits;
+    closest_hits(scene_, context_.pose, rays, hits.data());
+    ClassicalSurfaces surfaces(context_, rays, hits.data());
+    for (size_t i = 0; i < rays.size; ++i) {
+      Branch& branch = branches[i];
       if (!hits[i].is_hit()) {
-        take(tree_.deliver(branch.receiver, eval_background(scene_, batch.rays.direction(i))));
+        take(tree_.deliver(branch.receiver, eval_background(scene_, rays.direction(i))));
         continue;
       }
       branch.arrive(scene_, hits[i].t);
@@ -120,19 +120,17 @@ class ThesisTracer {
     }
     if (surfaces.met) {
       add_direct_light(context_, {.has_reflected_rays = true}, surfaces, counts_);
-      follow_others(batch, surfaces);
+      follow_others(depth, branches, surfaces);
     }
-    LightingTree::end(batch);
     return static_cast<size_t>(std::popcount(surfaces.met));
   }
 
   /// The rays that leave surfaces.
-  void follow_others(const Batch& batch, const ClassicalSurfaces& surfaces) {
-    Batch *reflected = &tree_.begin_batch(batch.depth + 1),
-          *transmitted = &tree_.begin_batch(batch.depth + 1);
+  void follow_others(uint32_t depth, const OfPacket<Branch>& branches, const ClassicalSurfaces& surfaces) {
+    Batch *reflected = &tree_.begin_batch(depth + 1), *transmitted = &tree_.begin_batch(depth + 1);
     for_each_ray(surfaces.met, [&](size_t i) {
-      const Branch& branch = batch.branches[i];
-      if (batch.depth == settings_.max_depth || !add_rays(branch, surfaces, i, transmitted, reflected))
+      const Branch& branch = branches[i];
+      if (depth == settings_.max_depth || !add_rays(branch, surfaces, i, transmitted, reflected))
         take(tree_.deliver(branch.receiver, surfaces.light(i)));
     });
   }

@@ -10,21 +10,24 @@ class WhittedIntegrator : public Integrator {
  private:
   size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
-    tree_.plant(rays, ids, context.spread, colors);
-    const size_t eye_hits = trace(context, *tree_.next_batch(), counts);
-    while (Batch* const batch = tree_.next_batch()) trace(context, *batch, counts);
+    const size_t eye_hits = trace(context, 1, rays, tree_.plant(ids, context.spread, colors), counts);
+    while (Batch* const batch = tree_.next_batch()) {
+      trace(context, batch->depth, batch->rays, batch->branches, counts);
+      LightingTree::end(*batch);
+    }
     return eye_hits;
   }
 
   /// Returns how many rays met an object.
-  size_t trace(const FrameContext& context, Batch& batch, RayCounts& counts) {
-    std::array<Hit, kMostPacketRays> hits;
-    closest_hits(context.scene, context.pose, batch.rays, hits.data());
-    ClassicalSurfaces surfaces(context, batch.rays, hits.data());
-    for (size_t i = 0; i < batch.rays.size; ++i) {
-      Branch& branch = batch.branches[i];
+  size_t trace(const FrameContext& context, uint32_t depth, const RayPacket& rays, OfPacket<Branch>& branches,
+               RayCounts& counts) {
+    OfPacket<Hit> hits;
+    closest_hits(context.scene, context.pose, rays, hits.data());
+    ClassicalSurfaces surfaces(context, rays, hits.data());
+    for (size_t i = 0; i < rays.size; ++i) {
+      Branch& branch = branches[i];
       if (!hits[i].is_hit()) {
-        tree_.deliver(branch.receiver, eval_background(context.scene, batch.rays.direction(i)));
+        tree_.deliver(branch.receiver, eval_background(context.scene, rays.direction(i)));
         continue;
       }
       branch.arrive(context.scene, hits[i].t);
@@ -33,21 +36,19 @@ class WhittedIntegrator : public Integrator {
     }
     if (surfaces.met) {
       add_direct_light(context, {.has_reflected_rays = true}, surfaces, counts);
-      follow_secondary(context, batch, surfaces, counts);
+      follow_secondary(context, depth, branches, surfaces, counts);
     }
-    LightingTree::end(batch);
     return static_cast<size_t>(std::popcount(surfaces.met));
   }
 
-  void follow_secondary(const FrameContext& context, const Batch& batch, const ClassicalSurfaces& surfaces,
-                        RayCounts& counts) {
+  void follow_secondary(const FrameContext& context, uint32_t depth, const OfPacket<Branch>& branches,
+                        const ClassicalSurfaces& surfaces, RayCounts& counts) {
     const RenderSettings& settings = context.tables.settings;
-    Batch *reflected = &tree_.begin_batch(batch.depth + 1),
-          *transmitted = &tree_.begin_batch(batch.depth + 1);
+    Batch *reflected = &tree_.begin_batch(depth + 1), *transmitted = &tree_.begin_batch(depth + 1);
     for_each_ray(surfaces.met, [&](size_t i) {
-      const Branch& branch = batch.branches[i];
+      const Branch& branch = branches[i];
       SecondaryRays secondary;
-      if (batch.depth < settings.max_depth && surfaces.has_secondary_rays(i))
+      if (depth < settings.max_depth && surfaces.has_secondary_rays(i))
         secondary = secondary_rays(surfaces, i, branch, settings);
       if (secondary.transmitted_rays + secondary.reflected_rays == 0) {
         tree_.deliver(branch.receiver, surfaces.light(i));
