@@ -15,12 +15,11 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-void set_eye_rays(const Camera& camera, const double* HWY_RESTRICT x, const double* HWY_RESTRICT y,
-                  RayPacket& rays) {
+void set_eye_rays(const Camera& camera, const RasterPoints& at, RayPacket& rays) {
   const RealTag d;
   for (size_t lane = 0; lane < kMostPacketRays; lane += kLanes) {
-    const Real3 direction = all(camera.top_left) + hn::Load(d, x + lane) * all(camera.per_x) +
-                            hn::Load(d, y + lane) * all(camera.per_y);
+    const Real3 direction = all(camera.top_left) + hn::Load(d, &at.x[lane]) * all(camera.per_x) +
+                            hn::Load(d, &at.y[lane]) * all(camera.per_y);
     store3(all(camera.location), rays.origins, lane);
     store3(normalized(direction), rays.directions, lane);
     hn::Store(real(std::numeric_limits<double>::infinity()), d, rays.t_max + lane);
@@ -36,8 +35,8 @@ namespace rayfarm {
 
 HWY_EXPORT(set_eye_rays);
 
-void make_eye_rays(const Camera& camera, const double* x, const double* y, RayPacket& rays) {
-  HWY_DYNAMIC_DISPATCH(set_eye_rays)(camera, x, y, rays);
+void make_eye_rays(const Camera& camera, const RasterPoints& at, RayPacket& rays) {
+  HWY_DYNAMIC_DISPATCH(set_eye_rays)(camera, at, rays);
 }
 
 }  // namespace rayfarm

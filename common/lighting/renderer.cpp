@@ -112,16 +112,11 @@ class Renderer::Rendering {
     pulse_();
   }
 
-  /// Where the eye rays of a packet pass through the picture.
-  struct RasterPoints {
-    RasterPoints() {}  // leaves the lanes as they are
-    alignas(64) std::array<double, kMostPacketRays> x, y;
-  };
   /// The rays of a packet whose size is set.
   void aim(const Camera& camera, std::span<const SampleId> ids, const RasterPoints& at,
            RayPacket& rays) const {
     if (!camera.has_lens()) {
-      make_eye_rays(camera, at.x.data(), at.y.data(), rays);
+      make_eye_rays(camera, at, rays);
       return;
     }
     for (size_t i = 0; i < rays.size; ++i) {

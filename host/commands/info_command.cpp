@@ -41,6 +41,27 @@ std::string megabytes(size_t bytes) {
   return fmt::format("{:.2f} MiB", static_cast<double>(bytes) / (1 << 20));
 }
 
+/// How often volumes refer to primitives, and to how many.
+void print_references(const Scene& scene) {
+  std::vector<uint32_t> references;
+  const auto add = [&](const auto& ids) {
+    for (const PrimitiveId id : ids)
+      if (id != kNoPrimitive) references.push_back(id.bits);
+  };
+  for (const TriangleBlock& block : scene.triangle_blocks) add(block.primitives);
+  for (const SphereBlock& block : scene.sphere_blocks)
+    for (size_t lane = 0; lane < block.spheres.size(); ++lane)
+      if (!std::isnan(block.center[0][lane]))
+        references.push_back(PrimitiveId(PrimitiveKind::sphere, block.spheres[lane]).bits);
+  add(scene.leaf_primitives);
+  if (references.empty()) return;
+  const size_t count = references.size();
+  std::sort(references.begin(), references.end());
+  references.erase(std::unique(references.begin(), references.end()), references.end());
+  fmt::print("  references of volumes to primitives {}, {:.3f} each\n", count,
+             static_cast<double>(count) / static_cast<double>(references.size()));
+}
+
 int print_info(const std::string& path, BuildQuality quality) {
   const SceneDescription scene = load_scene(path);
   const CompiledScene compiled = compile_and_look(scene, quality);
@@ -56,6 +77,7 @@ int print_info(const std::string& path, BuildQuality quality) {
              copies.quadrics);
   fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
              s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
+  print_references(s);
   const bool moves = std::any_of(s.steps.begin(), s.steps.end(), [&](const TransformStepRecord& step) {
     return s.curves[step.curve].key_count > 1;
   });

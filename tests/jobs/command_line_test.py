@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import random
 import re
 import socket
 import subprocess
@@ -564,6 +565,28 @@ scene: [{use: vase}, {use: vase, transform: {translate: [3, 0, 0]}}, {sphere: {c
         for text in ("polygons 80 (triangles 10, of more corners 70), spheres 1, quadrics 0, stored once",
                      "polygons 160, spheres 1, quadrics 0, each copy counted", "vase: 80 polygons"):
             self.assertIn(text, result.stdout)
+
+    def test_info_tells_how_often_volumes_refer_to_primitives(self):
+        """Whole, divided with a budget of 1.3 on average, or of 2 (README, --build)."""
+        random.seed(1)
+        def point(reach):
+            return [round(random.uniform(-reach, reach), 4) for _ in range(3)]
+        beams = []
+        for _ in range(400):
+            a, b = point(9), point(9)
+            beams.append([a, b, [a[0], round(a[1] + 0.05, 4), a[2]]])
+        points = [p for beam in beams for p in beam]
+        scene = self.write("s.yaml", f"""
+view: {{location: [0, 0, 30], look_at: [0, 0, 0]}}
+scene: [{{triangles: {{points: {points}, triangles: {[[3 * i, 3 * i + 1, 3 * i + 2] for i in range(400)]}}}}}]
+""")
+        each = {}
+        for build in ("fast", "balanced", "high"):
+            result = self.run_alone("info", scene, "--build", build)
+            self.assertEqual(result.code, 0, result.stderr)
+            each[build] = float(re.search(r"references of volumes to primitives \d+, ([\d.]+) each", result.stdout)[1])
+        self.assertEqual(each["fast"], 1)
+        self.assertTrue(1.1 < each["balanced"] <= 1.3 < each["high"] <= 2, each)
 
     def test_gouraud_says_what_a_model_does_with_it(self):
         scene = self.write("s.yaml", """

@@ -45,12 +45,10 @@ SceneDescription make_beams(uint32_t seed, int beams, int specks) {
 
 size_t count_references(const Scene& scene) {
   size_t count = scene.leaf_primitives.size();
-  const auto add = [&](const auto& blocks) {
-    for (const auto& block : blocks)
-      for (const PrimitiveId id : block.primitives) count += id != kNoPrimitive;
-  };
-  add(scene.triangle_blocks);
-  add(scene.sphere_blocks);
+  for (const TriangleBlock& block : scene.triangle_blocks)
+    for (const PrimitiveId id : block.primitives) count += id != kNoPrimitive;
+  for (const SphereBlock& block : scene.sphere_blocks)
+    for (const double x : block.center[0]) count += !std::isnan(x);
   return count;
 }
 

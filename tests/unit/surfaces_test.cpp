@@ -92,15 +92,15 @@ TEST(Lanes, EyeRaysAreThoseOfOne) {
       camera.top_left = test::random_point(random, size);
       camera.per_x = test::random_point(random, 0.01 * size);
       camera.per_y = test::random_point(random, 0.01 * size);
-      alignas(64) double x[8], y[8];
+      RasterPoints at;
       for (size_t i = 0; i < 8; ++i) {
-        x[i] = test::uniform(random, 0, 1000);
-        y[i] = test::uniform(random, 0, 1000);
+        at.x[i] = test::uniform(random, 0, 1000);
+        at.y[i] = test::uniform(random, 0, 1000);
       }
       RayPacket rays;
-      make_eye_rays(camera, x, y, rays);
+      make_eye_rays(camera, at, rays);
       for (size_t i = 0; i < 8; ++i) {
-        const Ray ray = camera.ray(x[i], y[i]);
+        const Ray ray = camera.ray(at.x[i], at.y[i]);
         ASSERT_TRUE(same_bits(rays.origin(i), ray.origin) && same_bits(rays.direction(i), ray.direction) &&
                     rays.t_max[i] == ray.t_max);
       }
