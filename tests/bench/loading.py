@@ -27,16 +27,16 @@ def write_files(folder, columns):
         out.writelines(f"v {row}\n" for row in rows)
         out.writelines("f {} {} {}\n".format(*(i + 1 for i in t)) for t in triangles)
     (folder / "obj.yaml").write_text(HEAD + "scene: [{mesh: {file: obj.obj}}]\n")
-    few = triangles[:len(triangles) // 10]  # the other formats take longer
+    few = triangles[:len(triangles) // 10]  # YAML takes longer
     with open(folder / "nff.nff", "w") as out:
         out.write("v\nfrom 0 0 4\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 32 32\n")
-        out.writelines("p 3\n" + "".join(rows[i] + "\n" for i in t) for t in few)
+        out.writelines("p 3\n" + "".join(rows[i] + "\n" for i in t) for t in triangles)
     with open(folder / "yaml.yaml", "w") as out:
         out.write(HEAD + "scene:\n- triangles:\n    points: [" +
                   ", ".join("[" + row.replace(" ", ", ") + "]" for row in rows[:max(map(max, few)) + 1]) + "]\n")
         out.write("    triangles: [" + ", ".join(f"[{a}, {b}, {c}]" for a, b, c in few) + "]\n")
     (folder / "none.yaml").write_text(HEAD + "scene: [{polygon: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}}]\n")
-    counts = {"obj": len(triangles), "nff": len(few), "yaml": len(few)}
+    counts = {"obj": len(triangles), "nff": len(triangles), "yaml": len(few)}
     (folder / "counts.json").write_text(json.dumps(counts))
 
 

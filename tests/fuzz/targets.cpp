@@ -6,11 +6,14 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 
 #include "common/compile/compile.h"
 #include "common/description/formats/ies_loader.h"
+#include "common/description/formats/nff_scene.h"
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/part_file.h"
+#include "common/description/primitive_counts.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
 #include "common/scene/settings_codec.h"
@@ -74,6 +77,23 @@ constexpr const char* kNff =
     "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 8 8\nb 0.1 0.2 0.3\nl 3 4 5\n"
     "f 1 0.5 0.2 0.8 0.3 20 0 1\np 4\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\ns 0 0 1 0.5\nc\n0 0 0 1\n0 0 1 0.2\n"
     "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
+
+/// Read in many pieces a file is what it is in one.
+void cut_nff(const std::string& bytes) {
+  std::vector<size_t> borders(bytes.size());
+  std::iota(borders.begin(), borders.end(), size_t{0});
+  const auto read = [&](std::span<const size_t> cuts) {
+    try {
+      const SceneDescription scene = read_nff_scene(bytes, "in.nff", cuts);
+      const PrimitiveCounts counts = count_primitives(scene, scene.objects[scene.root]);
+      return fmt::format("{} {} {} {} {}", counts.polygons, counts.spheres, counts.quadrics,
+                         scene.materials.size(), scene.notes.lines().size());
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+  };
+  if (read({}) != read(borders)) throw std::logic_error("cut into pieces the file is another");
+}
 constexpr const char* kIes =
     "IESNA:LM-63-2002\n[TEST] x\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n100 50 0\n";
 
@@ -270,7 +290,10 @@ std::vector<Target> make_targets(const std::string& path) {
         "1e-300",
         "99999999999"}},
       {"nff",
-       [folder](const std::string& bytes) { render_file(folder.write("in.nff", bytes)); },
+       [folder](const std::string& bytes) {
+         cut_nff(bytes);
+         render_file(folder.write("in.nff", bytes));
+       },
        {kNff},
        {"p 3\n", "s ", "c\n", "f ", "l ", " nan ", " inf ", " 1e308 ", " -1 ", "\n", "p 99999999\n", "pp 3\n",
         "#"}},

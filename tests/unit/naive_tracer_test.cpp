@@ -3,6 +3,7 @@
 // and recurses by Equation 2.12 within the limits of section 2.3.4. Frames must agree to 1e-3 on 99.7 % of
 // the pixels.
 #include <cstring>
+#include <deque>
 #include <filesystem>
 #include <functional>
 
@@ -67,15 +68,25 @@ class NaiveTracer {
     double reach = 0;  // polygons: no point is farther from the middle
   };
 
+  void place(const PrimitiveDescription& p, const Affine& world) {
+    placed_.push_back({&p, world});
+    if (const auto* polygon = std::get_if<PolygonShape>(&p.shape)) {
+      for (const Vec3& q : polygon->points)
+        placed_.back().middle += world.point(q) / double(polygon->points.size());
+      for (const Vec3& q : polygon->points)
+        placed_.back().reach =
+            std::max(placed_.back().reach, 1.001 * glm::length(world.point(q) - placed_.back().middle));
+    }
+  }
+
   void flatten(uint32_t object, const Affine& world) {
     for (const PrimitiveDescription& p : scene_.objects[object].primitives) {
-      placed_.push_back({&p, world});
-      if (const auto* polygon = std::get_if<PolygonShape>(&p.shape)) {
-        for (const Vec3& q : polygon->points)
-          placed_.back().middle += world.point(q) / double(polygon->points.size());
-        for (const Vec3& q : polygon->points)
-          placed_.back().reach =
-              std::max(placed_.back().reach, 1.001 * glm::length(world.point(q) - placed_.back().middle));
+      const auto* mesh = std::get_if<MeshShape>(&p.shape);
+      if (!mesh) place(p, world);
+      for (size_t i = 0; mesh && i < mesh->triangles.size(); ++i) {
+        PolygonShape triangle;
+        for (int k = 0; k < 3; ++k) triangle.points.emplace_back(mesh->positions[mesh->triangles[i][k]]);
+        place(of_meshes_.emplace_back(PrimitiveDescription{triangle, p.material, p.place}), world);
       }
     }
     for (const ChildDescription& child : scene_.objects[object].children) {
@@ -164,6 +175,7 @@ class NaiveTracer {
 
   const SceneDescription& scene_;
   int depth_;
+  std::deque<PrimitiveDescription> of_meshes_;  ///< their triangles
   std::vector<Placed> placed_;
 };
 
