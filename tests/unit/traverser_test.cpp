@@ -71,6 +71,8 @@ void compare_packets_with_single_rays(const CompiledScene& compiled, double scal
     closest_hits(compiled.scene, pose, RayPacket(rays), hits.data());
     const uint32_t any = any_hits(compiled.scene, pose, RayPacket(rays));
     EXPECT_EQ(any >> rays.size(), 0u);
+    for (const uint32_t among : {0u, static_cast<uint32_t>(random()) & RayPacket(rays).all()})
+      EXPECT_EQ(any_hits(compiled.scene, pose, RayPacket(rays), among), any & among);
     for (size_t i = 0; i < rays.size(); ++i) {
       const Hit single = closest_hit(compiled.scene, pose, rays[i]);
       expect_same(hits[i], single);
