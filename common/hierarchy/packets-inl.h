@@ -71,6 +71,24 @@ HWY_INLINE void copy_wanted_in_object(const RayPacket& world, const Affine& obje
   copy_wanted(world.directions, wanted, to.directions, turn);
 }
 
+/// Whether those of `wanted` make a packet: several rays whose directions have the same signs (-0 is negative
+/// too). To be asked before anything is prepared: rays that go alone are prepared alone.
+HWY_INLINE bool are_packet(const RayPacket& rays, uint32_t wanted) {
+  if ((wanted & (wanted - 1)) == 0) return false;
+  const hn::CappedTag<double, kPacketRays> d;
+  const hn::RebindToSigned<decltype(d)> bits;
+  for (const auto& components : rays.directions) {
+    uint32_t negative = 0;
+    for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
+      const auto values = hn::BitCast(bits, hn::Load(d, components + lane));
+      negative |= bits_of(bits, hn::Lt(values, hn::Zero(bits))) << lane;
+    }
+    negative &= wanted;
+    if (negative != 0 && negative != wanted) return false;
+  }
+  return true;
+}
+
 /// Rays whose directions have the same signs and that walk together: one box test serves them all, with the
 /// bounds of their origins and directions; at a leaf each is tested by itself, exactly as if it had come
 /// alone.
@@ -78,9 +96,9 @@ class Packet {
  public:
   using Lanes = std::array<float, kPacketRays>;
 
-  /// Prepares rays, all lanes of them, for box and primitive tests, and those of `wanted` for walks of their
-  /// own. False if they are no packet: one alone, or of different signs.
-  HWY_INLINE bool join(const RayPacket& rays, uint32_t wanted, PrimitiveRay* HWY_RESTRICT prepared) {
+  /// Prepares rays, all lanes of them, for box and primitive tests, and those of `wanted` for primitive tests
+  /// of their own. Those must make a packet, and the other lanes repeat one of them.
+  HWY_INLINE void join(const RayPacket& rays, uint32_t wanted, PrimitiveRay* HWY_RESTRICT prepared) {
     prepare_lanes(rays);
     for (uint32_t rest = wanted; rest; rest &= rest - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(rest));
@@ -90,25 +108,7 @@ class Packet {
       prepared[i].shear_y = shear_[1][i];
       prepared[i].shear_z = shear_[2][i];
     }
-    for (const uint32_t backward : backward_)
-      if (backward != 0 && backward != kAllRays) return false;
-    if ((wanted & (wanted - 1)) == 0) return false;
     for (size_t axis = 0; axis < 3; ++axis) set_bounds(rays, axis);
-    return true;
-  }
-
-  /// What the box test needs of one of the rays.
-  HWY_INLINE BoxRay alone(size_t i) const {
-    BoxRay ray;
-    ray.backward = 0;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      ray.near_inverse[axis] = near_inverse_[axis][i];
-      ray.near_bias[axis] = near_bias_[axis][i];
-      ray.far_inverse[axis] = far_inverse_[axis][i];
-      ray.far_bias[axis] = far_bias_[axis][i];
-      ray.backward |= (backward_[axis] >> i & 1) << axis;
-    }
-    return ray;
   }
 
   const BoxRay& bounds() const { return bounds_; }

@@ -124,8 +124,10 @@ struct PreparedRay : BoxRay, PrimitiveRay {
     prepare();
   }
   /// A ray of a packet.
-  HWY_INLINE PreparedRay(const BoxRay& box, const PrimitiveRay& primitive)
-      : BoxRay(box), PrimitiveRay(primitive) {}
+  HWY_INLINE PreparedRay(const RayPacket& rays, size_t i) {
+    set(rays.origin(i), rays.direction(i));
+    prepare();
+  }
   /// The same ray in the space of an instance.
   HWY_INLINE PreparedRay(const PrimitiveRay& world, const Affine& object_from_world) {
     set_in_object(world, object_from_world);

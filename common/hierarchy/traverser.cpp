@@ -93,7 +93,7 @@ void closest_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, H
 }
 
 uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among) {
-  return among == 0 ? 0 : HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays, among);
+  return HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays, among);
 }
 
 Hit closest_hit_brute_force(const Scene& scene, const Pose& pose, const Ray& ray) {

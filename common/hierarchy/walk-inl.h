@@ -302,32 +302,35 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
     if (rays == 0) return;
     RayPacket local_rays;
     copy_wanted_in_object(world_rays, place.object_from_world, rays, local_rays);
+    if (!are_packet(local_rays, rays)) {
+      for (uint32_t rest = rays; rest; rest &= rest - 1) {
+        const auto i = static_cast<size_t>(std::countr_zero(rest));
+        const PreparedRay ray(local_rays, i);
+        SingleWalker walker(ray, world.searches[i]);
+        walk_part(scene, instance, walker);
+      }
+      continue;
+    }
     Bundle<Search> local;
     local.scene = &scene;
     local.searches = world.searches;
     local.held = rays;
     Packet packet;
-    if (packet.join(local_rays, rays, local.rays.data())) {
-      PacketWalker<Search> walker(packet, local);
-      walk_part(scene, instance, walker);
-      continue;
-    }
-    for (uint32_t rest = rays; rest; rest &= rest - 1) {
-      const auto i = static_cast<size_t>(std::countr_zero(rest));
-      const PreparedRay ray(packet.alone(i), local.rays[i]);
-      SingleWalker walker(ray, local.searches[i]);
-      walk_part(scene, instance, walker);
-    }
+    packet.join(local_rays, rays, local.rays.data());
+    PacketWalker<Search> walker(packet, local);
+    walk_part(scene, instance, walker);
   }
 }
 
-/// For the rays that are `among` these bits, one at least.
+/// For the rays that are `among` these bits.
 template <typename Search>
 HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among,
                                   Search* searches) {
-  if ((among & (among - 1)) == 0) {
-    const auto i = static_cast<size_t>(std::countr_zero(among));
-    search_for_one(scene, pose, PreparedRay(rays[i]), searches[i]);
+  if (!are_packet(rays, among)) {
+    for (; among; among &= among - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(among));
+      search_for_one(scene, pose, PreparedRay(rays, i), searches[i]);
+    }
     return;
   }
   RayPacket filled_up;
@@ -338,13 +341,7 @@ HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, const Ra
   bundle.searches = searches;
   bundle.held = among;
   Packet packet;
-  if (!packet.join(all, among, bundle.rays.data())) {
-    for (; among; among &= among - 1) {
-      const auto i = static_cast<size_t>(std::countr_zero(among));
-      search_for_one(scene, pose, PreparedRay(packet.alone(i), bundle.rays[i]), searches[i]);
-    }
-    return;
-  }
+  packet.join(all, among, bundle.rays.data());
   PacketWalker<Search> walker(packet, bundle);
   walk_scene(scene, pose, walker, [&](const ChildRef& leaf, uint32_t leaf_rays) HWY_ATTR {
     walk_instances(scene, pose, leaf, bundle, all, packet, leaf_rays & walker.active());

@@ -52,7 +52,7 @@ void print_references(const Scene& scene) {
   for (const SphereBlock& block : scene.sphere_blocks)
     for (size_t lane = 0; lane < block.spheres.size(); ++lane)
       if (!std::isnan(block.center[0][lane]))
-        references.push_back(PrimitiveId(PrimitiveKind::sphere, block.spheres[lane]).bits);
+        references.push_back(make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]).bits);
   add(scene.leaf_primitives);
   if (references.empty()) return;
   const size_t count = references.size();

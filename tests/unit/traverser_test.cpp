@@ -84,6 +84,7 @@ void compare_packets_with_single_rays(const CompiledScene& compiled, double scal
         with_gaps.set(i, Vec3(no_number), Vec3(no_number), no_number);
     }
     EXPECT_EQ(any_hits(compiled.scene, pose, with_gaps, among), any & among);
+    EXPECT_EQ(any_hits(compiled.scene, pose, with_gaps, 0), 0u);
     for (size_t i = 0; i < rays.size(); ++i) {
       const Hit single = closest_hit(compiled.scene, pose, rays[i]);
       expect_same(hits[i], single);
