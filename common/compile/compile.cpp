@@ -46,16 +46,12 @@ class PartCompiler {
         purpose_(purpose),
         shapes_(arrays, luminaires_, description, options.stop),
         libraries_(description.libraries.size()),
+        is_structure_used_(description.structures.size()),
         part_of_(description.objects.size(), kNone) {}
 
   void add_all() {
-    const std::vector<uint32_t> fixed =
-        purpose_ == Purpose::library ? std::vector<uint32_t>{description_.root} : fixed_objects(description_);
-    add(description_.root, fixed);
-    std::vector<bool> is_added(description_.objects.size());
-    for (const uint32_t object : fixed) is_added[object] = true;
-    for (uint32_t object = 0; object < description_.objects.size(); ++object)
-      if (!is_added[object]) add(object, std::span(&object, 1));
+    for (const std::vector<FixedObject>& part : objects_by_parts(description_, purpose_ == Purpose::library))
+      add(part);
     if (!arrays_.triangle_uvs.empty())
       arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size(), kNoUv);
     if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size(), kNoUv);
@@ -67,27 +63,45 @@ class PartCompiler {
   void add_notes(Notes& notes) const {
     shapes_.add_notes(notes);
     luminaires_.add_notes(description_, notes);
+    for (size_t i = 0; i < is_structure_used_.size(); ++i)
+      if (!is_structure_used_[i])
+        notes.add(
+            description_.source(description_.structures[i].place),
+            "this structure arranges nothing: it acts on shapes and meshes that stand here and do not move "
+            "against each other; what moves, and what is used several times, has a structure of its own");
   }
 
  private:
-  /// Makes the primitives of `objects` one part, which moves with `owner`.
-  void add(uint32_t owner, std::span<const uint32_t> objects) {
+  /// Makes the primitives of `objects` one part, which moves with the first.
+  void add(const std::vector<FixedObject>& objects) {
+    const uint32_t owner = objects[0].object;
     throw_if_stopped(options_.stop);
     if (const std::optional<BuiltPart>& built = description_.objects[owner].built) {
       part_of_[owner] = place(built->library, description_.objects[owner].place) + built->part;
       return;
     }
-    PartPrimitives primitives;
-    for (const uint32_t object : objects)
-      for (const PrimitiveDescription& p : description_.objects[object].primitives)
-        shapes_.add(primitives, p);
+    // An object with a structure of its own is a collection in the one that it is in.
+    std::vector<PrimitiveGroup> groups{{.structure = description_.objects[owner].structure}};
+    std::vector<size_t> group_of(objects.size());
+    for (size_t i = 0; i < objects.size(); ++i) {
+      const ObjectDescription& object = description_.objects[objects[i].object];
+      group_of[i] = group_of[objects[i].parent];
+      if (object.structure != kNone && object.structure != groups[group_of[i]].structure) {
+        groups.push_back({.parent = group_of[i], .structure = object.structure});
+        group_of[i] = groups.size() - 1;
+      }
+      for (const PrimitiveDescription& p : object.primitives) shapes_.add(groups[group_of[i]].primitives, p);
+    }
     if (arrays_.triangle_shading.size() > limits::kPrimitives ||
         arrays_.face_corners.size() > limits::kFaceCorners)
       throw InputError(description_.source(description_.objects[owner].place),
                        "the scene has too many triangles or corners of faces");
-    if (primitives.ids.empty()) return;
+    if (std::all_of(groups.begin(), groups.end(),
+                    [](const PrimitiveGroup& g) { return g.primitives.ids.empty(); }))
+      return;
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
-    arrays_.parts.push_back(build_part(arrays_, primitives, options_));
+    arrays_.parts.push_back(
+        build_part(arrays_, groups, description_.structures, options_, is_structure_used_));
     luminous_of_.push_back(luminaires_.take());
   }
 
@@ -113,6 +127,7 @@ class PartCompiler {
   Luminaires luminaires_;
   ShapeCompiler shapes_;
   std::vector<std::optional<uint32_t>> libraries_;  ///< where the parts of each begin, once they are there
+  std::vector<bool> is_structure_used_;
   std::vector<uint32_t> part_of_;
   std::vector<std::vector<Luminous>> luminous_of_;
 };
@@ -141,19 +156,28 @@ void add_notes_of_idle(const SceneDescription& description, Notes& notes) {
 void add_notes_of_built(const SceneDescription& description, const BuildOptions& options, Notes& notes) {
   const BuildOptions usual;
   if (description.libraries.empty() ||
-      (options.rule == usual.rule && options.max_primitives == usual.max_primitives &&
-       options.quality == usual.quality && options.structure == usual.structure))
+      (options.hierarchy == usual.hierarchy && options.max_primitives == usual.max_primitives &&
+       options.quality == usual.quality && options.cells == usual.cells))
     return;
   notes.add({description.libraries[0].path},
             "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
 }
 
-void add_notes_of_idle_quality(const SceneDescription& description, const BuildOptions& options,
+/// Options of hierarchies that are not the one that was asked for.
+void add_notes_of_idle_options(const SceneDescription& description, const BuildOptions& options,
                                Notes& notes) {
-  if (options.rule == SplitRule::thesis && options.quality != BuildOptions().quality)
+  const BuildOptions usual;
+  const Hierarchy h = options.hierarchy;
+  if (h != Hierarchy::sah && options.quality != usual.quality)
     notes.add(description.source(),
-              "the thesis's rule clips primitives in its own way; a fast or a high build belongs to the "
-              "surface area heuristic, and changes nothing here");
+              "a fast or a high build belongs to volumes by the surface area heuristic (`sah`), and changes "
+              "nothing here");
+  if (h != Hierarchy::sah && h != Hierarchy::thesis && options.max_primitives != usual.max_primitives)
+    notes.add(description.source(),
+              "how many primitives a volume holds changes nothing here, as there are no volumes");
+  if (h != Hierarchy::regular && options.cells != usual.cells)
+    notes.add(description.source(),
+              "a number of cells belongs to a `regular` hierarchy, and changes nothing here");
 }
 
 }  // namespace
@@ -183,7 +207,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.notes = description.notes;
   parts.add_notes(result.notes);
   add_notes_of_built(description, options, result.notes);
-  add_notes_of_idle_quality(description, options, result.notes);
+  add_notes_of_idle_options(description, options, result.notes);
   if (purpose == Purpose::library)
     add_notes_of_idle(description, result.notes);
   else

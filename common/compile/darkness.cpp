@@ -225,6 +225,8 @@ std::vector<bool> materials_in_use(const Scene& scene) {
       case PrimitiveKind::face:
         is_used[scene.mesh_faces[id.index()].material] = true;
         return;
+      case PrimitiveKind::collection:  // what is in it stands here, too
+        return;
     }
   };
   for (size_t i = 0; i < scene.parts.size(); ++i) {

@@ -37,17 +37,38 @@ uint32_t add_curve(SceneArrays<GrowingArray>& arrays, const Curve& curve) {
   return static_cast<uint32_t>(arrays.curves.size() - 1);
 }
 
-std::vector<uint32_t> fixed_objects(const SceneDescription& description) {
-  std::vector<uint32_t> uses(description.objects.size());
-  for (const ObjectDescription& object : description.objects)
+std::vector<std::vector<FixedObject>> objects_by_parts(const SceneDescription& description, bool is_library) {
+  const std::vector<ObjectDescription>& objects = description.objects;
+  std::vector<uint32_t> uses(objects.size()), fixed_in(objects.size(), kNone);
+  for (const ObjectDescription& object : objects)
     for (const ChildDescription& child : object.children) ++uses[child.object];
-  std::vector<uint32_t> fixed{description.root};
-  for (size_t i = 0; i < fixed.size(); ++i)  // grows while it is read
-    for (const ChildDescription& child : description.objects[fixed[i]].children)
+  for (uint32_t i = 0; i < objects.size(); ++i)
+    for (const ChildDescription& child : objects[i].children)
       if (child.transform.empty() && !child.visible && uses[child.object] == 1 &&
-          !description.objects[child.object].built)
-        fixed.push_back(child.object);
-  return fixed;
+          !objects[child.object].built)
+        fixed_in[child.object] = i;
+  const auto takes_in = [&](uint32_t object) {
+    return objects[object].structure != kNone || (object == description.root && !is_library);
+  };
+  std::vector<std::vector<FixedObject>> parts;
+  const auto add = [&](uint32_t owner, bool is_with_others) {
+    std::vector<FixedObject>& part = parts.emplace_back(1, FixedObject{owner});
+    if (!is_with_others) return;
+    for (size_t i = 0; i < part.size(); ++i) {  // grows while it is read
+      const uint32_t object = part[i].object;
+      for (const ChildDescription& child : objects[object].children)
+        if (fixed_in[child.object] == object) part.push_back({child.object, i});
+    }
+  };
+  add(description.root, takes_in(description.root));
+  for (uint32_t i = 0; i < objects.size(); ++i) {
+    if (i == description.root) continue;
+    bool is_taken = false;
+    for (uint32_t above = fixed_in[i]; above != kNone && !is_taken; above = fixed_in[above])
+      is_taken = takes_in(above);
+    if (!is_taken) add(i, takes_in(i));
+  }
+  return parts;
 }
 
 void ObjectTree::expand(const ChildDescription& child, uint32_t parent, Changes changes) {

@@ -12,9 +12,17 @@ namespace rayfarm {
 /// Stores the curve; returns its index.
 uint32_t add_curve(SceneArrays<GrowingArray>& arrays, const Curve& curve);
 
-/// The root and the objects that stand once in the scene, with no transform on the way to them: their
-/// primitives never move against each other, so they are one part.
-std::vector<uint32_t> fixed_objects(const SceneDescription& description);
+/// An object whose primitives belong to a part, and the one that it is in.
+struct FixedObject {
+  uint32_t object = 0;
+  size_t parent = 0;  ///< its place in the list; the first is its own
+};
+
+/// The objects by parts: lists of those whose primitives are one part, which moves with the first. Parents
+/// stand before what is in them. In one with the root, or with an object that has a structure, are those that
+/// stand once in it with no transform on the way to them: they never move against each other. `is_library`:
+/// the root is an object as others.
+std::vector<std::vector<FixedObject>> objects_by_parts(const SceneDescription& description, bool is_library);
 
 /// Expands the graph of objects to a tree (thesis 4.3.2), with an instance of each object's part and its
 /// lights. What is visible in no frame is left out.

@@ -1,5 +1,8 @@
 #include "common/compile/parts.h"
 
+#include "common/hierarchy/grid.h"
+#include "common/scene/array_offsets.h"
+
 namespace rayfarm {
 namespace {
 
@@ -62,6 +65,8 @@ class PartSource : public PrimitiveSource {
       }
       case PrimitiveKind::quadric:
         return arrays_.quadrics[id.index()].bounds;
+      case PrimitiveKind::collection:
+        return arrays_.collections[id.index()].bounds;
     }
     return {};
   }
@@ -83,6 +88,8 @@ class PartSource : public PrimitiveSource {
         return clipped_bounds(points(id), cell);
       case PrimitiveKind::quadric:
         return intersection(arrays_.quadrics[id.index()].bounds, cell);
+      case PrimitiveKind::collection:
+        return intersection(arrays_.collections[id.index()].bounds, cell);
     }
     return {};
   }
@@ -109,43 +116,129 @@ class PartSource : public PrimitiveSource {
   const PartPrimitives& part_;
 };
 
-}  // namespace
+/// The primitives by the names that lists have for them: what was cut into triangles is one again.
+class WholePrimitives : public PrimitiveSource {
+ public:
+  WholePrimitives(const PartSource& pieces, const PartPrimitives& part, const Collection& collection)
+      : pieces_(pieces) {
+    uint32_t triangle = 8 * collection.first_triangle_block, sphere = 8 * collection.first_sphere_block,
+             other = collection.first_leaf_primitive;  // as pack_leaf packs them
+    for (uint32_t i = 0; i < part.ids.size(); ++i) {
+      const bool is_triangle = part.is_triangle(i);
+      const PrimitiveId id = part.ids[i];
+      if (i == 0 || id != part.ids[i - 1]) {
+        first_.push_back(i);
+        pointers_.push_back(is_triangle ? make_pointer(PointerKind::triangle, triangle)
+                            : id.kind() == PrimitiveKind::sphere ? make_pointer(PointerKind::sphere, sphere)
+                                                                 : make_pointer(PointerKind::other, other));
+      }
+      ++(is_triangle ? triangle : id.kind() == PrimitiveKind::sphere ? sphere : other);
+    }
+    first_.push_back(static_cast<uint32_t>(part.ids.size()));
+  }
+  size_t size() const override { return pointers_.size(); }
+  Box bounds(uint32_t primitive) const override {
+    return union_of(primitive, [&](uint32_t piece) { return pieces_.bounds(piece); });
+  }
+  Box clipped(uint32_t primitive, const Box& cell) const override {
+    return union_of(primitive, [&](uint32_t piece) { return pieces_.clipped(piece, cell); });
+  }
+  std::span<const PrimitivePointer> pointers() const { return pointers_; }
 
-Part build_part(SceneArrays<GrowingArray>& arrays, const PartPrimitives& primitives,
-                const BuildOptions& options) {
-  Part part;
-  part.structure = options.structure;
-  part.first_triangle_block = static_cast<uint32_t>(arrays.triangle_blocks.size());
-  part.first_sphere_block = static_cast<uint32_t>(arrays.sphere_blocks.size());
-  part.first_leaf_primitive = static_cast<uint32_t>(arrays.leaf_primitives.size());
-  const PartSource source(arrays, primitives);
-  // Leaves are half full or more; rooms that stay empty take no memory.
-  make_room(arrays.triangle_blocks, primitives.ids.size() / 4 + 1);
-  make_room(arrays.nodes, primitives.ids.size() / 16 + 1);
-  LeafArrays leaves{arrays.nodes, arrays.triangle_blocks, arrays.sphere_blocks, arrays.leaf_primitives};
-  part.root = build_hierarchy(
-      source, options,
-      [&](std::span<const PrimitiveReference> r) {
-        throw_if_stopped(options.stop);
-        return pack_leaf(r, primitives, arrays.spheres, leaves);
-      },
-      arrays.nodes);
-  part.triangle_block_count =
-      static_cast<uint32_t>(arrays.triangle_blocks.size()) - part.first_triangle_block;
-  part.sphere_block_count = static_cast<uint32_t>(arrays.sphere_blocks.size()) - part.first_sphere_block;
-  part.leaf_primitive_count =
-      static_cast<uint32_t>(arrays.leaf_primitives.size()) - part.first_leaf_primitive;
+ private:
+  template <typename BoxOf>
+  Box union_of(uint32_t primitive, BoxOf box_of) const {
+    Box box;
+    for (uint32_t piece = first_[primitive]; piece < first_[primitive + 1]; ++piece) box.grow(box_of(piece));
+    return box;
+  }
+  const PartSource& pieces_;
+  std::vector<uint32_t> first_;  ///< piece of each, and one more
+  std::vector<PrimitivePointer> pointers_;
+};
+
+template <typename Array>
+uint32_t count_behind(const Array& array, uint32_t first) {
+  return static_cast<uint32_t>(array.size()) - first;
+}
+
+/// Those of whole primitives: what was cut into triangles is one.
+void count_primitives(const PartPrimitives& primitives, Part& part) {
   const std::array<uint32_t*, 5> counts{&part.triangle_count, &part.sphere_count, &part.polygon_count,
                                         &part.quadric_count,
                                         &part.polygon_count};  // in the order of PrimitiveKind
   PrimitiveId previous = kNoPrimitive;
-  for (uint32_t i = 0; i < primitives.ids.size(); ++i) {
-    part.bounds.grow(source.bounds(i));
-    const PrimitiveId id = primitives.ids[i];
-    if (id == previous) continue;  // another triangle of the same polygon
+  for (const PrimitiveId id : primitives.ids) {
+    if (id != previous && id.kind() != PrimitiveKind::collection) ++*counts[static_cast<size_t>(id.kind())];
     previous = id;
-    ++*counts[static_cast<size_t>(id.kind())];
   }
+}
+
+/// Builds the hierarchy over `primitives`, which are not empty.
+Collection build_collection(SceneArrays<GrowingArray>& arrays, const PartPrimitives& primitives,
+                            const BuildOptions& options) {
+  Collection collection;
+  collection.first_triangle_block = static_cast<uint32_t>(arrays.triangle_blocks.size());
+  collection.first_sphere_block = static_cast<uint32_t>(arrays.sphere_blocks.size());
+  collection.first_leaf_primitive = static_cast<uint32_t>(arrays.leaf_primitives.size());
+  const PartSource source(arrays, primitives);
+  for (uint32_t i = 0; i < primitives.ids.size(); ++i) collection.bounds.grow(source.bounds(i));
+  // Leaves are half full or more; rooms that stay empty take no memory.
+  make_room(arrays.triangle_blocks, primitives.ids.size() / 4 + 1);
+  make_room(arrays.nodes, primitives.ids.size() / 16 + 1);
+  LeafArrays leaves{arrays.nodes, arrays.triangle_blocks, arrays.sphere_blocks, arrays.leaf_primitives};
+  const auto make_leaf = [&](std::span<const PrimitiveReference> r) {
+    throw_if_stopped(options.stop);
+    return pack_leaf(r, primitives, arrays.spheres, leaves);
+  };
+  const bool has_volumes = options.hierarchy == Hierarchy::sah || options.hierarchy == Hierarchy::thesis;
+  collection.structure = has_volumes ? Structure::volumes : Structure::list;
+  collection.root = has_volumes ? build_hierarchy(source, options, make_leaf, arrays.nodes)
+                                : make_leaf(make_references(source, options));
+  collection.triangle_block_count = count_behind(arrays.triangle_blocks, collection.first_triangle_block);
+  collection.sphere_block_count = count_behind(arrays.sphere_blocks, collection.first_sphere_block);
+  collection.leaf_primitive_count = count_behind(arrays.leaf_primitives, collection.first_leaf_primitive);
+  if (options.hierarchy == Hierarchy::regular) {
+    const WholePrimitives whole(source, primitives, collection);
+    collection.structure = Structure::regular;
+    collection.grid = build_grid(whole, whole.pointers(), options, arrays);
+  }
+  return collection;
+}
+
+}  // namespace
+
+Part build_part(SceneArrays<GrowingArray>& arrays, std::vector<PrimitiveGroup>& groups,
+                std::span<const StructureDescription> structures, const BuildOptions& options,
+                std::vector<bool>& is_used) {
+  Part part;
+  const ArrayOffsets begin = offsets_behind(arrays);
+  for (size_t i = groups.size(); i-- > 0;) {  // what is in a group stands behind it
+    const auto& [primitives, parent, structure] = groups[i];
+    if (primitives.ids.empty()) continue;
+    BuildOptions build = options;
+    if (structure != kNone) {
+      is_used[structure] = true;
+      build = structures[structure].build;
+      build.progress = options.progress;
+      build.stop = options.stop;
+    }
+    count_primitives(primitives, part);
+    Collection collection = build_collection(arrays, primitives, build);
+    if (i == 0) {
+      part.collection = collection;
+    } else {
+      groups[parent].primitives.add(
+          make_primitive_id(PrimitiveKind::collection, static_cast<uint32_t>(arrays.collections.size())));
+      arrays.collections.push_back(collection);
+    }
+  }
+  part.first_triangle_block = begin.triangle_blocks;
+  part.first_sphere_block = begin.sphere_blocks;
+  part.first_leaf_primitive = begin.leaf_primitives;
+  part.triangle_block_count = count_behind(arrays.triangle_blocks, begin.triangle_blocks);
+  part.sphere_block_count = count_behind(arrays.sphere_blocks, begin.sphere_blocks);
+  part.leaf_primitive_count = count_behind(arrays.leaf_primitives, begin.leaf_primitives);
   return part;
 }
 

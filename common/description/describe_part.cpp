@@ -54,8 +54,8 @@ class Describer {
     for (size_t i = 1; i < s_.object_nodes.size(); ++i)
       if (s_.object_nodes[i].parent == kNone) damaged("an object that belongs to none");
     for (const Part& part : s_.parts)
-      if (!is_finite(part.bounds.lo) || !is_finite(part.bounds.hi) || part.bounds.is_empty() ||
-          part.bounds.magnitude() > 2 * limits::kCoordinate)
+      if (!is_finite(part.collection.bounds.lo) || !is_finite(part.collection.bounds.hi) ||
+          part.collection.bounds.is_empty() || part.collection.bounds.magnitude() > 2 * limits::kCoordinate)
         damaged("a part's bounds");
     for (const LuminaireTriangle& t : s_.luminaire_triangles)
       if (!(t.area_through > 0) || !std::isfinite(t.area_through)) damaged("a luminaire's area");

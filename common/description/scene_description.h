@@ -16,6 +16,7 @@
 #include "common/materials/material.h"
 #include "common/memory/large_vector.h"
 #include "common/scene/animation.h"
+#include "common/scene/build_options.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/light.h"
 #include "common/scene/scene_block.h"
@@ -177,6 +178,12 @@ struct BuiltPart {
   uint32_t part = 0;
 };
 
+/// How the primitives of an object are arranged, with those of all that is in it and does not move in it.
+struct StructureDescription {
+  BuildOptions build;
+  Place place;
+};
+
 /// A node of the object tree. An object may be the child of several others, but never of itself.
 struct ObjectDescription {
   std::string name;
@@ -185,6 +192,7 @@ struct ObjectDescription {
   Place place;
   std::vector<LightDescription> lights{};
   std::optional<BuiltPart> built{};  ///< beside or in place of primitives
+  uint32_t structure = kNone;        ///< of SceneDescription::structures; kNone: as what it is in
 };
 
 struct SceneDescription {
@@ -200,6 +208,7 @@ struct SceneDescription {
   std::vector<SpectrumDescription> spectra;       ///< of those lights, background and ambient light
   std::vector<MaterialDescription> materials;     ///< the parts of a mix before it
   std::vector<TextureDescription> textures;
+  std::vector<StructureDescription> structures;
   std::vector<LibraryDescription> libraries;
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;

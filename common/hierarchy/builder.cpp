@@ -21,9 +21,7 @@ void PrimitiveSource::chop(uint32_t primitive, const Slabs& slabs, size_t first,
   }
 }
 
-ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
-                         const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes) {
-  if (source.size() == 0) return {};
+LargeVector<PrimitiveReference> make_references(const PrimitiveSource& source, const BuildOptions& options) {
   LargeVector<PrimitiveReference> references(source.size());
   constexpr size_t kPiece = 1 << 14;
   parallel_for((references.size() + kPiece - 1) / kPiece, [&](size_t piece) {
@@ -32,9 +30,15 @@ ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& opti
     for (size_t i = piece * kPiece; i < end; ++i)
       references[i] = make_reference(static_cast<uint32_t>(i), source.bounds(static_cast<uint32_t>(i)));
   });
+  return references;
+}
+
+ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
+                         const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes) {
+  if (source.size() == 0) return {};
+  LargeVector<PrimitiveReference> references = make_references(source, options);
   if (options.progress) options.progress->total += references.size();
-  if (options.structure == Structure::list) return make_leaf(references);
-  const auto build = options.rule == SplitRule::sah ? build_sah : build_thesis;
+  const auto build = options.hierarchy == Hierarchy::thesis ? build_thesis : build_sah;
   return build(std::move(references), source, options, make_leaf, nodes);
 }
 

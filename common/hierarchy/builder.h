@@ -4,14 +4,13 @@
 // node. A builder never knows its primitives: it takes bounds, clips them, and gives ranges of references to
 // a structurer.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <functional>
 #include <span>
 
-#include "common/errors/stop.h"
 #include "common/hierarchy/lane_bounds.h"
 #include "common/memory/large_vector.h"
+#include "common/scene/build_options.h"
 #include "common/scene/hierarchy_records.h"
 
 namespace rayfarm {
@@ -57,40 +56,16 @@ struct PrimitiveReference {
 };
 PrimitiveReference make_reference(uint32_t primitive, const Box& box);
 
-/// How a node's data are divided among its children.
-enum class SplitRule : uint8_t {
-  sah,    ///< where a ray is expected to do least work: the surface area heuristic (Goldsmith, Salmon 1987)
-  thesis  ///< into the octants about the centre of the data, straddling primitives clipped (4.2.1.2)
-};
-
-/// What a build may take for the sake of the rays. The pictures are the same.
-enum class BuildQuality : uint8_t {
-  fast,      ///< primitives stay whole
-  balanced,  ///< spatial splits where they are seen to pay, up to 1.3 references a primitive on average
-  high       ///< up to 2
-};
-
-/// How far a build is, for those who watch it from another thread.
-struct BuildProgress {
-  std::atomic<uint64_t> total = 0, done = 0;  ///< primitives
-};
-
-struct BuildOptions {
-  SplitRule rule = SplitRule::sah;
-  uint32_t max_primitives = 8;  ///< a volume with at most this many is a leaf (the thesis used 4 to 30)
-  Structure structure = Structure::volumes;
-  BuildQuality quality = BuildQuality::balanced;  ///< of SplitRule::sah
-  BuildProgress* progress = nullptr;
-  std::stop_token stop{};  ///< a build that was asked to stop throws Stopped
-};
-
 /// The structurer: packs a leaf's references into records for the traverser. It may append nodes.
 using LeafMaker = std::function<ChildRef(std::span<const PrimitiveReference>)>;
 
-/// Appends the hierarchy's nodes to `nodes`, parents before children, and returns its root (empty without
-/// primitives). The depth is below kMostHierarchyLevels. Uses every core of the machine, as far as it grants
-/// threads; the result does not depend on how many there are. Throws Stopped, and what `source` and
-/// `make_leaf` throw.
+/// References to all whole primitives, made on all cores.
+LargeVector<PrimitiveReference> make_references(const PrimitiveSource& source, const BuildOptions& options);
+
+/// Appends the nodes of a hierarchy of volumes to `nodes`, parents before children, and returns its root
+/// (empty without primitives). The depth is below kMostHierarchyLevels. Uses every core of the machine, as
+/// far as it grants threads; the result does not depend on how many there are. Throws Stopped, and what
+/// `source` and `make_leaf` throw.
 ChildRef build_hierarchy(const PrimitiveSource& source, const BuildOptions& options,
                          const LeafMaker& make_leaf, LargeVector<VolumeNode>& nodes);
 

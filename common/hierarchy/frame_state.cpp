@@ -61,7 +61,7 @@ InstancePose make_instance_pose(const Scene& scene, const Instance& instance, co
       if (!is_finite(pose.object_from_world.linear[column]) || !is_finite(world.translation))
         throw std::domain_error("an object's transform is singular or not finite");
   }
-  const Box& part = scene.parts[instance.part].bounds;
+  const Box& part = scene.parts[instance.part].collection.bounds;
   pose.bounds = transform(world, part);
   // A hit is found in the object's space: leave room for the rounding of coordinates that cancel on the way
   // back.

@@ -1,5 +1,4 @@
-// Primitives against rays, in double, and the two searches: for the closest hit and for any. Compiled once
-// for each SIMD target.
+// The two searches: for the closest hit and for any. Compiled once for each SIMD target.
 #if defined(RAYFARM_COMMON_HIERARCHY_LEAF_TESTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYFARM_COMMON_HIERARCHY_LEAF_TESTS_INL_H_
 #undef RAYFARM_COMMON_HIERARCHY_LEAF_TESTS_INL_H_
@@ -10,10 +9,9 @@
 #include <hwy/highway.h>
 
 #include <bit>
-#include <cmath>
 #include <optional>
 
-#include "common/hierarchy/rays-inl.h"
+#include "common/hierarchy/crossings-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -21,124 +19,20 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A block's vertices: [vertex][axis][lane].
-template <typename Number>
-using Vertices = std::array<std::array<std::array<Number, 8>, 3>, 3>;
+template <typename Search>
+bool search_collection(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
+                       uint32_t instance, Search& search);  // collections-inl.h
 
-HWY_INLINE void convert(const Vertices<float>& from, Vertices<double>& to) {
-  const DoubleTag d;
-  const hn::Rebind<float, DoubleTag> f;
-  for (size_t vertex = 0; vertex < 3; ++vertex)
-    for (size_t axis = 0; axis < 3; ++axis)
-      for (size_t lane = 0; lane < 8; lane += hn::Lanes(d))
-        hn::Store(hn::PromoteTo(d, hn::Load(f, &from[vertex][axis][lane])), d, &to[vertex][axis][lane]);
-}
-
-/// What a ray and a block's triangles have in common, where the ray's line meets them.
-struct TriangleCrossings {
-  HWY_ALIGN double u[8], v[8], w[8];  ///< barycentric weights times a common factor
-  HWY_ALIGN double scaled_t[8];       ///< the distance times the same
-
-  /// Infinite or NaN where the triangle is seen edge-on.
-  double t(size_t lane) const { return scaled_t[lane] / (u[lane] + v[lane] + w[lane]); }
-};
-
-/// Bits of the lanes in which the ray's line meets a triangle. The distances are divided one by one, as they
-/// are asked for: seldom more than one triangle is met, and eight quotients take three times as long as one.
-/// The vertices may have been converted before, for several rays. One ray's test is over sooner in halves: it
-/// waits for results more than for a free unit.
-template <typename Number>
-HWY_INLINE uint32_t cross_triangles(const Vertices<Number>& vertices, const PrimitiveRay& ray,
-                                    TriangleCrossings& crossings) {
-  const hn::CappedTag<double, std::is_same_v<Number, float> ? 4 : 8> d;
-  [[maybe_unused]] const hn::Rebind<float, decltype(d)> f;
-  const auto zero = hn::Zero(d);
-  uint32_t mask = 0;
-  for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    const auto coordinate = [&](size_t vertex, size_t axis) HWY_ATTR {
-      const Number* const numbers = &vertices[vertex][axis][lane];
-      if constexpr (std::is_same_v<Number, float>)
-        return hn::Sub(hn::PromoteTo(d, hn::Load(f, numbers)), hn::Set(d, ray.origin[axis]));
-      else
-        return hn::Sub(hn::Load(d, numbers), hn::Set(d, ray.origin[axis]));
-    };
-    const auto az = coordinate(0, ray.kz), bz = coordinate(1, ray.kz), cz = coordinate(2, ray.kz);
-    const auto sx = hn::Set(d, ray.shear_x), sy = hn::Set(d, ray.shear_y);
-    const auto ax = hn::Sub(coordinate(0, ray.kx), hn::Mul(sx, az));
-    const auto ay = hn::Sub(coordinate(0, ray.ky), hn::Mul(sy, az));
-    const auto bx = hn::Sub(coordinate(1, ray.kx), hn::Mul(sx, bz));
-    const auto by = hn::Sub(coordinate(1, ray.ky), hn::Mul(sy, bz));
-    const auto cx = hn::Sub(coordinate(2, ray.kx), hn::Mul(sx, cz));
-    const auto cy = hn::Sub(coordinate(2, ray.ky), hn::Mul(sy, cz));
-    // An edge's two triangles compute the same products, so no ray slips between them.
-    const auto u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
-    const auto v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
-    const auto w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-    // Where one is NaN, so is t.
-    const auto none_negative = hn::Ge(hn::Min(hn::Min(u, v), w), zero);
-    const auto none_positive = hn::Le(hn::Max(hn::Max(u, v), w), zero);
-    const auto inside = hn::Or(none_negative, none_positive);
-    if (hn::AllFalse(d, inside)) continue;
-    const auto scaled_t =
-        hn::Mul(hn::Add(hn::Add(hn::Mul(u, az), hn::Mul(v, bz)), hn::Mul(w, cz)), hn::Set(d, ray.shear_z));
-    hn::Store(u, d, crossings.u + lane);
-    hn::Store(v, d, crossings.v + lane);
-    hn::Store(w, d, crossings.w + lane);
-    hn::Store(scaled_t, d, crossings.scaled_t + lane);
-    mask |= bits_of(d, inside) << lane;
-  }
-  return mask;
-}
-
-/// Where a ray's line enters spheres: roots of the quadratic equation of t.
-struct SphereCrossings {
-  double a;
-  HWY_ALIGN double b[8], c[8], discriminant[8];
-
-  /// The smallest t > 0, if there is one.
-  double t(size_t lane) const {
-    const bool is_approaching = b[lane] < 0;
-    const double root = std::sqrt(discriminant[lane] * a);
-    const double q = (is_approaching ? root : -root) - b[lane];
-    const double first = is_approaching ? c[lane] / q : q / a;
-    return first > 0 ? first : is_approaching ? q / a : c[lane] / q;
-  }
-};
-
-/// Bits of the lanes in which the ray's line meets a sphere. Roots are taken one by one, as they are asked
-/// for, like triangles' distances.
-HWY_INLINE uint32_t cross_spheres(const SphereBlock& block, const PrimitiveRay& ray,
-                                  SphereCrossings& crossings) {
-  const hn::CappedTag<double, 4> d;
-  uint32_t mask = 0;
-  const auto dx = hn::Set(d, ray.direction[0]), dy = hn::Set(d, ray.direction[1]),
-             dz = hn::Set(d, ray.direction[2]);
-  const auto a = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-  crossings.a = hn::GetLane(a);
-  for (size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
-    const auto ox = hn::Sub(hn::Set(d, ray.origin[0]), hn::Load(d, &block.center[0][lane]));
-    const auto oy = hn::Sub(hn::Set(d, ray.origin[1]), hn::Load(d, &block.center[1][lane]));
-    const auto oz = hn::Sub(hn::Set(d, ray.origin[2]), hn::Load(d, &block.center[2][lane]));
-    const auto r = hn::Load(d, &block.radius[lane]);
-    const auto r2 = hn::Mul(r, r);
-    const auto b = hn::Add(hn::Add(hn::Mul(ox, dx), hn::Mul(oy, dy)), hn::Mul(oz, dz));
-    // The discriminant from the distance between centre and line, which loses no digits for far, small
-    // spheres (Haines, Günther, Akenine-Möller, "Precision improvements for ray/sphere intersection", 2019).
-    const auto closest = hn::Div(b, a);
-    const auto px = hn::Sub(ox, hn::Mul(closest, dx));
-    const auto py = hn::Sub(oy, hn::Mul(closest, dy));
-    const auto pz = hn::Sub(oz, hn::Mul(closest, dz));
-    const auto discriminant =
-        hn::Sub(r2, hn::Add(hn::Add(hn::Mul(px, px), hn::Mul(py, py)), hn::Mul(pz, pz)));
-    const auto meets = hn::Ge(discriminant, hn::Zero(d));
-    if (hn::AllFalse(d, meets)) continue;
-    hn::Store(b, d, crossings.b + lane);
-    hn::Store(hn::Sub(hn::Add(hn::Add(hn::Mul(ox, ox), hn::Mul(oy, oy)), hn::Mul(oz, oz)), r2), d,
-              crossings.c + lane);
-    hn::Store(discriminant, d, crossings.discriminant + lane);
-    mask |= bits_of(d, meets) << lane;
-  }
-  return mask;
+/// Tests all primitives of the collection.
+template <typename Search>
+HWY_NOINLINE bool search_list(const Collection& c, const PrimitiveRay& ray, uint32_t instance,
+                              Search& search) {
+  return search.test_leaf(make_child(ChildKind::triangles, c.first_triangle_block, c.triangle_block_count),
+                          ray, instance) ||
+         search.test_leaf(make_child(ChildKind::spheres, c.first_sphere_block, c.sphere_block_count), ray,
+                          instance) ||
+         search.test_leaf(make_child(ChildKind::mixed, c.first_leaf_primitive, c.leaf_primitive_count), ray,
+                          instance);
 }
 
 /// Tests leaves and keeps the closest hit.
@@ -169,13 +63,31 @@ class ClosestHit {
   HWY_INLINE bool test_block(uint32_t index, const Vertices<Number>& vertices, const PrimitiveRay& ray,
                              uint32_t instance) {
     TriangleCrossings crossings;
-    for (uint32_t mask = cross_triangles(vertices, ray, crossings); mask; mask &= mask - 1) {
-      const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
-      const double t = crossings.t(lane);
-      if (!(t > 0 && t <= hit_->t)) continue;
-      const PrimitiveId id = scene_->triangle_blocks[index].primitives[lane];
-      if (hit_->is_beaten_by(t, instance, id))
-        accept({t, instance, id, 8 * index + lane, crossings.u[lane], crossings.v[lane], crossings.w[lane]});
+    take_triangles(index, cross_triangles(vertices, ray, crossings), crossings, instance);
+    return false;
+  }
+
+  /// Tests one primitive.
+  bool test(const PrimitivePointer& pointer, const PrimitiveRay& ray, uint32_t instance) {
+    const uint32_t index = pointer.place() / 8, lane = pointer.place() % 8;
+    switch (pointer.kind()) {
+      case PointerKind::triangle:
+        for_each_triangle_of(*scene_, pointer, [&](uint32_t block, uint32_t i) HWY_ATTR {
+          TriangleCrossings crossings;
+          take_triangles(block, cross_triangle(*scene_, block, i, ray, crossings), crossings, instance);
+          return false;
+        });
+        return false;
+      case PointerKind::sphere: {
+        SphereCrossings crossings;
+        take_spheres(scene_->sphere_blocks[index],
+                     cross_spheres(scene_->sphere_blocks[index], ray, crossings, OneTag(), lane, lane + 1),
+                     crossings, instance);
+        return false;
+      }
+      case PointerKind::other:
+        test_other_leaf(make_child(ChildKind::mixed, pointer.place()), ray, instance);
+        return false;
     }
     return false;
   }
@@ -203,21 +115,41 @@ class ClosestHit {
   HWY_NOINLINE void test_other_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     if (leaf.kind() == ChildKind::spheres) {
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
-        const SphereBlock& block = scene_->sphere_blocks[i];
         SphereCrossings crossings;
-        for (uint32_t mask = cross_spheres(block, ray, crossings); mask; mask &= mask - 1) {
-          const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
-          const double t = crossings.t(lane);
-          if (!(t > 0 && t <= hit_->t)) continue;
-          const PrimitiveId id = make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]);
-          if (hit_->is_beaten_by(t, instance, id)) accept({t, instance, id});
-        }
+        take_spheres(scene_->sphere_blocks[i], cross_spheres(scene_->sphere_blocks[i], ray, crossings),
+                     crossings, instance);
       }
     } else if (leaf.kind() == ChildKind::mixed) {
-      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count()))
-        if (const auto t = intersect_one(*scene_, id, ray, hit_->t);
-            t && hit_->is_beaten_by(*t, instance, id))
+      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count())) {
+        if (id.kind() == PrimitiveKind::collection)
+          search_collection(*scene_, scene_->collections[id.index()], ray, instance, *this);
+        else if (const auto t = intersect_one(*scene_, id, ray, hit_->t);
+                 t && hit_->is_beaten_by(*t, instance, id))
           accept({*t, instance, id});
+      }
+    }
+  }
+
+  HWY_INLINE void take_triangles(uint32_t block, uint32_t mask, const TriangleCrossings& crossings,
+                                 uint32_t instance) {
+    for (; mask; mask &= mask - 1) {
+      const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+      const double t = crossings.t(lane);
+      if (!(t > 0 && t <= hit_->t)) continue;
+      const PrimitiveId id = scene_->triangle_blocks[block].primitives[lane];
+      if (hit_->is_beaten_by(t, instance, id))
+        accept({t, instance, id, 8 * block + lane, crossings.u[lane], crossings.v[lane], crossings.w[lane]});
+    }
+  }
+
+  HWY_INLINE void take_spheres(const SphereBlock& block, uint32_t mask, const SphereCrossings& crossings,
+                               uint32_t instance) {
+    for (; mask; mask &= mask - 1) {
+      const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+      const double t = crossings.t(lane);
+      if (!(t > 0 && t <= hit_->t)) continue;
+      const PrimitiveId id = make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]);
+      if (hit_->is_beaten_by(t, instance, id)) accept({t, instance, id});
     }
   }
 
@@ -241,13 +173,34 @@ class AnyHit {
   float t_far() const { return t_far_; }
   bool is_over() const { return is_over_; }
 
+  /// True: the search is over.
   HWY_INLINE bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     if (HWY_LIKELY(leaf.kind() == ChildKind::triangles)) {
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
         if (test_block(i, scene_->triangle_blocks[i].vertices, ray, instance)) return true;
       return false;
     }
-    return is_over_ = test_other_leaf(leaf, ray);
+    return is_over_ = test_other_leaf(leaf, ray, instance);
+  }
+
+  bool test(const PrimitivePointer& pointer, const PrimitiveRay& ray, uint32_t instance) {
+    const uint32_t index = pointer.place() / 8, lane = pointer.place() % 8;
+    switch (pointer.kind()) {
+      case PointerKind::triangle:
+        return is_over_ = for_each_triangle_of(*scene_, pointer, [&](uint32_t block, uint32_t i) HWY_ATTR {
+                 TriangleCrossings crossings;
+                 return is_any_before_t_max(cross_triangle(*scene_, block, i, ray, crossings), crossings);
+               });
+      case PointerKind::sphere: {
+        SphereCrossings crossings;
+        return is_over_ = is_any_before_t_max(
+                   cross_spheres(scene_->sphere_blocks[index], ray, crossings, OneTag(), lane, lane + 1),
+                   crossings);
+      }
+      case PointerKind::other:
+        return is_over_ = test_other_leaf(make_child(ChildKind::mixed, pointer.place()), ray, instance);
+    }
+    return false;
   }
 
   template <typename Number>
@@ -258,16 +211,21 @@ class AnyHit {
   }
 
  private:
-  HWY_NOINLINE bool test_other_leaf(const ChildRef& leaf, const PrimitiveRay& ray) const {
+  HWY_NOINLINE bool test_other_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     if (leaf.kind() == ChildKind::spheres) {
       SphereCrossings crossings;
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
         if (is_any_before_t_max(cross_spheres(scene_->sphere_blocks[i], ray, crossings), crossings))
           return true;
     } else if (leaf.kind() == ChildKind::mixed) {
-      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count()))
-        if (const auto found = ClosestHit::intersect_one(*scene_, id, ray, t_max_); found && *found < t_max_)
+      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count())) {
+        if (id.kind() == PrimitiveKind::collection) {
+          if (search_collection(*scene_, scene_->collections[id.index()], ray, instance, *this)) return true;
+        } else if (const auto found = ClosestHit::intersect_one(*scene_, id, ray, t_max_);
+                   found && *found < t_max_) {
           return true;
+        }
+      }
     }
     return false;
   }

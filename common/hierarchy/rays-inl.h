@@ -128,6 +128,7 @@ struct PreparedRay : BoxRay, PrimitiveRay {
     set(rays.origin(i), rays.direction(i));
     prepare();
   }
+  HWY_INLINE explicit PreparedRay(const PrimitiveRay& ray) : PrimitiveRay(ray) { prepare(); }
   /// The same ray in the space of an instance.
   HWY_INLINE PreparedRay(const PrimitiveRay& world, const Affine& object_from_world) {
     set_in_object(world, object_from_world);

@@ -79,6 +79,8 @@ class Search {
         for (const PrimitiveId id : scene_.leaf_primitives.subspan(leaf.first, leaf.count())) {
           if (id.kind() == PrimitiveKind::polygon)
             look_at(scene_.points_of(scene_.polygons[id.index()]));
+          else if (id.kind() == PrimitiveKind::collection)
+            enter(scene_.collections[id.index()]);
           else if (may_hold(local_, scene_.quadrics[id.index()].bounds))
             note(Presence::possible);
         }
@@ -98,7 +100,11 @@ class Search {
         h.d -= glm::dot(h.n, pose.world_from_object.translation);
         h.n = glm::transpose(pose.world_from_object.linear) * h.n;
       }
-    if (may_hold(local_, part.bounds)) walk(part.root, scene_.nodes, local_);
+    enter(part.collection);
+  }
+
+  void enter(const Collection& collection) {
+    if (may_hold(local_, collection.bounds)) walk(collection.root, scene_.nodes, local_);
   }
 
   void look_at(std::span<const Vec3> corners) {

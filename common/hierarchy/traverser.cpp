@@ -8,7 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "common/hierarchy/walk-inl.h"
+#include "common/hierarchy/collections-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -51,6 +51,19 @@ uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacke
   return hits;
 }
 
+void test_all(const Scene& scene, const Part& part, uint32_t instance, const PreparedRay& ray,
+              ClosestHit& search) {
+  search.test_leaf(make_child(ChildKind::triangles, part.first_triangle_block, part.triangle_block_count),
+                   ray, instance);
+  search.test_leaf(make_child(ChildKind::spheres, part.first_sphere_block, part.sphere_block_count), ray,
+                   instance);
+  for (uint32_t i = 0; i < part.leaf_primitive_count; ++i) {
+    const uint32_t place = part.first_leaf_primitive + i;  // what is in collections stands among these, too
+    if (scene.leaf_primitives[place].kind() != PrimitiveKind::collection)
+      search.test_leaf(make_child(ChildKind::mixed, place), ray, instance);
+  }
+}
+
 Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ray) {
   Hit hit;
   hit.t = ray.t_max;
@@ -60,8 +73,7 @@ Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ra
     const InstancePose& place = pose[i];
     if (place.is_hidden) continue;
     const PreparedRay local = place.is_identity ? world : PreparedRay(world, place.object_from_world);
-    SingleWalker walker(local, search);
-    walk_list(scene.parts[scene.instances[i].part], i, walker);
+    test_all(scene, scene.parts[scene.instances[i].part], i, local, search);
   }
   search.finish();
   return hit;

@@ -36,6 +36,9 @@ class SingleWalker {
   SingleWalker(const PreparedRay& ray, Search& search) : ray_(ray), search_(search) {}
   const BoxRay& box_ray() const { return ray_; }
   float t_far() const { return search_.t_far(); }
+  bool search(const Scene& scene, const Collection& collection, uint32_t instance) {
+    return search_collection(scene, collection, ray_, instance, search_);
+  }
   HWY_INLINE uint32_t without_missed_children(const VolumeNode&, uint32_t mask, RaySet, RaySets&) const {
     return mask;
   }
@@ -99,6 +102,15 @@ class PacketWalker {
       for_each_ray(rays, [&](Search& search, const PrimitiveRay& ray)
                              HWY_ATTR { return search.test_leaf(leaf, ray, instance); });
     }
+    t_far_ = *std::max_element(t_fars_.begin(), t_fars_.end());
+    return active_ == 0;
+  }
+
+  /// Ray by ray.
+  bool search(const Scene& scene, const Collection& collection, uint32_t instance) {
+    for_each_ray(active_, [&](Search& search, const PrimitiveRay& ray) HWY_ATTR {
+      return search_collection(scene, collection, ray, instance, search);
+    });
     t_far_ = *std::max_element(t_fars_.begin(), t_fars_.end());
     return active_ == 0;
   }
@@ -210,31 +222,22 @@ HWY_INLINE bool walk(const VolumeNode* HWY_RESTRICT nodes, ChildRef root, Walker
   }
 }
 
-/// Visits all of a part's primitives, without a box.
 template <typename Walker>
-HWY_NOINLINE bool walk_list(const Part& part, uint32_t instance, Walker& walker) {
-  for (const ChildRef& leaf :
-       {make_child(ChildKind::triangles, part.first_triangle_block, part.triangle_block_count),
-        make_child(ChildKind::spheres, part.first_sphere_block, part.sphere_block_count),
-        make_child(ChildKind::mixed, part.first_leaf_primitive, part.leaf_primitive_count)})
-    if (walker.visit_leaf(leaf, instance, Walker::kAll)) return true;
-  return false;
+HWY_INLINE bool walk_volumes(const Scene& scene, const Collection& collection, uint32_t instance,
+                             Walker& walker) {
+  return walk(
+      scene.nodes.data(), collection.root, walker,
+      [&](const ChildRef& leaf, typename Walker::RaySet rays) HWY_ATTR
+      __attribute__((always_inline)) { return walker.visit_leaf(leaf, instance, rays); });
 }
 
 /// Walks an instance's part by the structure that it has. The walker is in the part's space.
 template <typename Walker>
 HWY_INLINE bool walk_part(const Scene& scene, uint32_t instance, Walker& walker) {
-  const Part& part = scene.parts[scene.instances[instance].part];
-  switch (part.structure) {
-    case Structure::volumes:
-      return walk(
-          scene.nodes.data(), part.root, walker,
-          [&](const ChildRef& leaf, typename Walker::RaySet rays) HWY_ATTR
-          __attribute__((always_inline)) { return walker.visit_leaf(leaf, instance, rays); });
-    case Structure::list:
-      return walk_list(part, instance, walker);
-  }
-  return false;
+  const Collection& collection = scene.parts[scene.instances[instance].part].collection;
+  if (HWY_LIKELY(collection.structure == Structure::volumes))
+    return walk_volumes(scene, collection, instance, walker);
+  return walker.search(scene, collection, instance);
 }
 
 template <typename Search>

@@ -3,7 +3,7 @@
 // For one target: what is counted does not depend on it.
 #include <hwy/highway.h>
 
-#include "common/hierarchy/walk-inl.h"
+#include "common/hierarchy/collections-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -24,6 +24,8 @@ class Counting : public Search {
     for (const ChildRef& child : node.children) counts_->boxes += child.kind() != ChildKind::empty;
   }
 
+  void count_cell() { ++counts_->cells; }
+
   bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     ++counts_->leaves;
     if (leaf.kind() == ChildKind::triangles)
@@ -32,13 +34,38 @@ class Counting : public Search {
     if (leaf.kind() == ChildKind::spheres)
       for (const SphereBlock& block : scene_->sphere_blocks.subspan(leaf.first, leaf.count()))
         for (const uint32_t sphere : block.spheres) counts_->spheres += sphere != kNone;
-    if (leaf.kind() == ChildKind::mixed)
-      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count()))
-        ++(id.kind() == PrimitiveKind::polygon ? counts_->polygons : counts_->quadrics);
+    if (leaf.kind() == ChildKind::mixed) return test_mixed(leaf, ray, instance);
     return Search::test_leaf(leaf, ray, instance);
   }
 
+  bool test(const PrimitivePointer& pointer, const PrimitiveRay& ray, uint32_t instance) {
+    if (pointer.kind() == PointerKind::other)
+      return test_mixed(make_child(ChildKind::mixed, pointer.place()), ray, instance);
+    const bool is_sphere = pointer.kind() == PointerKind::sphere;
+    const PrimitiveId id = is_sphere
+                               ? PrimitiveId{}
+                               : scene_->triangle_blocks[pointer.place() / 8].primitives[pointer.place() % 8];
+    ++(is_sphere                              ? counts_->spheres
+       : id.kind() == PrimitiveKind::triangle ? counts_->triangles
+                                              : counts_->polygons);
+    return Search::test(pointer, ray, instance);
+  }
+
  private:
+  /// One by one: what is in a collection is counted, not the collection.
+  bool test_mixed(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
+    for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
+      const PrimitiveId id = scene_->leaf_primitives[i];
+      if (id.kind() == PrimitiveKind::collection) {
+        if (search_collection(*scene_, scene_->collections[id.index()], ray, instance, *this)) return true;
+        continue;
+      }
+      ++(id.kind() == PrimitiveKind::polygon ? counts_->polygons : counts_->quadrics);
+      if (Search::test_leaf(make_child(ChildKind::mixed, i), ray, instance)) return true;
+    }
+    return false;
+  }
+
   WalkCounts* counts_;
   const Scene* scene_;
 };

@@ -8,11 +8,15 @@
 namespace rayfarm {
 
 struct WalkCounts {
-  uint64_t nodes = 0;      ///< of the object part and of parts
-  uint64_t boxes = 0;      ///< tested; a node's are tested at once
-  uint64_t leaves = 0;     ///< of parts
-  uint64_t triangles = 0;  ///< in leaves that were visited, as all that follow
-  uint64_t spheres = 0, polygons = 0, quadrics = 0;
+  uint64_t nodes = 0;   ///< of the object part and of parts
+  uint64_t boxes = 0;   ///< tested; a node's are tested at once
+  uint64_t cells = 0;   ///< of grids
+  uint64_t leaves = 0;  ///< of volumes and lists
+  // Primitives that were tested, or stand in leaves that were visited. In a cell's list a polygon is one, in
+  // leaves it is the triangles that it was cut into.
+  uint64_t triangles = 0, spheres = 0, polygons = 0, quadrics = 0;
+
+  uint64_t primitives() const { return triangles + spheres + polygons + quadrics; }
 };
 
 /// As closest_hit. `counts` grows.

@@ -95,6 +95,8 @@ LocalSurface eval_local(const Scene& scene, const Hit& hit, const Vec3& p) {
       const Vec3 n = normalized(quadric.gradient(p));
       return {n, n, quadric.material, quadric.bounds.magnitude() + max_magnitude(quadric.bounds.extent())};
     }
+    case PrimitiveKind::collection:  // of no hit
+      break;
   }
   return {};
 }

@@ -188,6 +188,7 @@ bool read_primitive(const Scene& scene, const Hit& hit, const Hit* before, size_
     }
     case PrimitiveKind::face:
     case PrimitiveKind::quadric:
+    case PrimitiveKind::collection:  // of no hit
       return false;
   }
   return false;

@@ -88,6 +88,7 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
     case PrimitiveKind::face:
       return face_parameters(scene, scene.mesh_faces[index], p);
     case PrimitiveKind::quadric:
+    case PrimitiveKind::collection:  // of no hit
       break;
   }
   const Box& box = scene.quadrics[index].bounds;

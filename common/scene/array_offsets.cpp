@@ -37,8 +37,8 @@ void shift(VolumeNode& node, const ArrayOffsets& o) {
 
 void shift(PrimitiveId& id, const ArrayOffsets& o) {
   if (id == kNoPrimitive) return;
-  const std::array<uint32_t, 5> offsets{o.triangle_shading, o.spheres, o.polygons, o.quadrics,
-                                        o.mesh_faces};  // in the order of PrimitiveKind
+  const std::array<uint32_t, 6> offsets{o.triangle_shading, o.spheres,    o.polygons, o.quadrics,
+                                        o.mesh_faces,       o.collections};  // in the order of PrimitiveKind
   id = make_primitive_id(id.kind(), id.index() + offsets[static_cast<size_t>(id.kind())]);
 }
 
@@ -88,11 +88,32 @@ void shift(LuminaireTriangle& triangle, const ArrayOffsets&) {
   [[maybe_unused]] auto& [corners, normal, area_through, magnitude] = triangle;
 }
 
-void shift(Part& part, const ArrayOffsets& o) {
-  auto& [bounds, structure, padding, root, first_triangle_block, triangle_block_count, first_sphere_block,
-         sphere_block_count, first_leaf_primitive, leaf_primitive_count, triangle_count, sphere_count,
-         quadric_count, polygon_count] = part;
+void shift(Collection& collection, const ArrayOffsets& o) {
+  auto& [bounds, structure, grid, root, first_triangle_block, triangle_block_count, first_sphere_block,
+         sphere_block_count, first_leaf_primitive, leaf_primitive_count] = collection;
+  shift(grid, o.grids);
   shift(root, o);
+  first_triangle_block += o.triangle_blocks;
+  first_sphere_block += o.sphere_blocks;
+  first_leaf_primitive += o.leaf_primitives;
+}
+
+void shift(Grid& grid, const ArrayOffsets& o) {
+  auto& [low, cell, cells, first_cell] = grid;
+  first_cell += o.grid_cells;
+}
+
+void shift(PrimitivePointer& pointer, const ArrayOffsets& o) {
+  const std::array<uint32_t, 3> offsets{8 * o.triangle_blocks, 8 * o.sphere_blocks,
+                                        o.leaf_primitives};  // in the order of PointerKind
+  pointer = make_pointer(pointer.kind(), pointer.place() + offsets[static_cast<size_t>(pointer.kind())]);
+}
+
+void shift(Part& part, const ArrayOffsets& o) {
+  auto& [collection, first_triangle_block, triangle_block_count, first_sphere_block, sphere_block_count,
+         first_leaf_primitive, leaf_primitive_count, triangle_count, sphere_count, quadric_count,
+         polygon_count] = part;
+  shift(collection, o);
   first_triangle_block += o.triangle_blocks;
   first_sphere_block += o.sphere_blocks;
   first_leaf_primitive += o.leaf_primitives;

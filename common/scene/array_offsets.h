@@ -42,6 +42,9 @@ inline void shift(Vec4&, const ArrayOffsets&) {}
 void shift(VolumeNode& node, const ArrayOffsets& offsets);
 void shift(TriangleBlock& block, const ArrayOffsets& offsets);
 void shift(SphereBlock& block, const ArrayOffsets& offsets);
+void shift(Collection& collection, const ArrayOffsets& offsets);
+void shift(Grid& grid, const ArrayOffsets& offsets);
+void shift(PrimitivePointer& pointer, const ArrayOffsets& offsets);
 void shift(PrimitiveId& id, const ArrayOffsets& offsets);
 void shift(SphereRecord& sphere, const ArrayOffsets& offsets);
 void shift(Polygon& polygon, const ArrayOffsets& offsets);
@@ -60,6 +63,8 @@ void shift_element(T& element, const ArrayOffsets& offsets) {
     element += offsets.mesh_points;
   else if constexpr (name == ArrayName::face_normals)
     element += offsets.normals;
+  else if constexpr (name == ArrayName::grid_cells)
+    element += offsets.primitive_pointers;
   else
     shift(element, offsets);
 }

@@ -9,10 +9,11 @@
 
 namespace rayfarm {
 
-/// How a part's primitives are found.
+/// How the primitives of a collection are found.
 enum class Structure : uint32_t {
   volumes,  ///< a tree of volumes (thesis 4.2)
-  list      ///< one by one, all of them: for parts of few primitives, and as the judge of the others
+  list,     ///< one by one, all of them: for few primitives, and as the judge of the others
+  regular   ///< in equal cells (thesis 2.6.2)
 };
 
 /// What a child slot of a volume node leads to. `meta` = kind << 29 | count.
@@ -21,7 +22,8 @@ enum class ChildKind : uint32_t {
   inner,      ///< first = node
   triangles,  ///< first = triangle block, count blocks
   spheres,    ///< first = sphere block, count blocks
-  mixed,      ///< first = index into leaf_primitives, count primitives (large or concave polygons, quadrics)
+  mixed,      ///< first = index into leaf_primitives, count primitives (large or concave polygons, quadrics,
+              ///< collections)
   instances   ///< first = index into leaf_instances, count instances
 };
 struct ChildRef {
@@ -52,6 +54,37 @@ struct alignas(64) SphereBlock {
   std::array<std::array<double, 8>, 3> center;  ///< [axis][lane]
   std::array<double, 8> radius;
   std::array<uint32_t, 8> spheres;
+};
+
+/// A primitive as lists of cells name it (the thesis's pointer), by where its numbers stand. A primitive that
+/// was cut into triangles is named once, by the first of them; the others follow it.
+enum class PointerKind : uint32_t {
+  triangle,  ///< 8 × block + lane in triangle_blocks
+  sphere,    ///< 8 × block + lane in sphere_blocks
+  other      ///< an index into leaf_primitives
+};
+struct PrimitivePointer {
+  uint32_t bits = 0;  ///< kind << 30 | place
+  PointerKind kind() const { return static_cast<PointerKind>(bits >> 30); }
+  uint32_t place() const { return bits & 0x3fffffffu; }
+};
+constexpr PrimitivePointer make_pointer(PointerKind kind, uint32_t place) {
+  return {static_cast<uint32_t>(kind) << 30 | place};
+}
+
+/// Of a grid, along an axis.
+inline constexpr uint32_t kMostCells = 512;
+
+/// A box in equal cells. Each has a list of the primitives that have a part in it.
+struct Grid {
+  Vec3 low{0};                      ///< the box's corner
+  Vec3 cell{0};                     ///< a cell's edges
+  std::array<uint32_t, 3> cells{};  ///< along each axis
+  uint32_t first_cell =
+      0;  ///< in grid_cells; x runs fastest. One more stands behind the last: where its list ends
+  size_t cell_count() const { return size_t{cells[0]} * cells[1] * cells[2]; }
+  size_t index(uint32_t x, uint32_t y, uint32_t z) const { return (size_t{z} * cells[1] + y) * cells[0] + x; }
+  Box box() const { return {low, low + cell * Vec3(cells[0], cells[1], cells[2])}; }
 };
 
 /// A traverser's stack must hold this many levels, one of them made by the structurer.

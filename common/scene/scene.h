@@ -60,12 +60,22 @@ struct ObjectNode {
   uint32_t visible = kNone;  ///< a curve: 0 in frames from which the node and all below it are left out
 };
 
-/// Primitives that never move against each other, and the volume hierarchy below them (thesis 4.2.1.1).
-struct Part {
+/// Primitives in one space, and what finds those that a ray meets.
+struct Collection {
   Box bounds;
   Structure structure = Structure::volumes;
-  uint32_t padding = 0;
-  ChildRef root;  ///< of its volumes; those of a list are one node at most
+  uint32_t grid = kNone;  ///< of a regular one
+  ChildRef root;          ///< of volumes; those of a list are one node at most
+  // Its own primitives; those of a collection in it are not among them.
+  uint32_t first_triangle_block = 0, triangle_block_count = 0;
+  uint32_t first_sphere_block = 0, sphere_block_count = 0;
+  uint32_t first_leaf_primitive = 0, leaf_primitive_count = 0;
+};
+
+/// Primitives that never move against each other, and the hierarchy below them (thesis 4.2.1.1).
+struct Part {
+  Collection collection;
+  // All its primitives, those of collections in its collection too.
   uint32_t first_triangle_block = 0, triangle_block_count = 0;
   uint32_t first_sphere_block = 0, sphere_block_count = 0;
   uint32_t first_leaf_primitive = 0, leaf_primitive_count = 0;

@@ -7,8 +7,9 @@
 namespace rayfarm {
 
 /// A primitive of a part: three bits of kind and its index in the scene's array of that kind. A face is a
-/// mesh's polygon of more than three corners.
-enum class PrimitiveKind : uint32_t { triangle, sphere, polygon, quadric, face };
+/// mesh's polygon of more than three corners. A collection answers rays as primitives do (Shirley, Sung and
+/// Brown 1991, section 2.3), but with what they hit in it: no hit's primitive is one.
+enum class PrimitiveKind : uint32_t { triangle, sphere, polygon, quadric, face, collection };
 struct PrimitiveId {
   uint32_t bits = 0;
   PrimitiveKind kind() const { return static_cast<PrimitiveKind>(bits >> 29); }

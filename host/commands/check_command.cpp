@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "host/commands/build_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
+#include "host/commands/hierarchy_options.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
 
@@ -25,9 +25,9 @@ void list_files_outside(const SceneDescription& scene) {
   }
 }
 
-int check(const std::string& path, BuildQuality quality) {
+int check(const std::string& path, const BuildOptions& build) {
   const SceneDescription scene = load_scene(path);
-  const CompiledScene compiled = compile_and_look(scene, quality);
+  const CompiledScene compiled = compile_and_look(scene, build);
   for (const std::string& file : scene.files) fmt::print("{}\n", file);
   list_files_outside(scene);
   const size_t warnings = compiled.notes.lines().size();
@@ -42,14 +42,14 @@ int check(const std::string& path, BuildQuality quality) {
 
 void add_check_command(CommandLine& line) {
   const auto path = std::make_shared<std::string>();
-  const auto quality = std::make_shared<BuildQuality>(BuildQuality::balanced);
+  const auto build = std::make_shared<BuildOptions>();
   Verb verb;
   verb.name = "check";
   verb.help = "validate a scene and list every file it uses";
-  verb.run = [path, quality](const Renders&) { return check(*path, *quality); };
+  verb.run = [path, build](const Renders&) { return check(*path, *build); };
   Options options = line.add(std::move(verb));
   options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
-  add_build_option(options, *quality);
+  add_hierarchy_options(options, *build);
 }
 
 }  // namespace rayfarm

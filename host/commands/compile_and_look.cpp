@@ -9,8 +9,8 @@
 
 namespace rayfarm {
 
-CompiledScene compile_and_look(const SceneDescription& scene, BuildQuality quality) try {
-  CompiledScene compiled = compile(scene, {.quality = quality});
+CompiledScene compile_and_look(const SceneDescription& scene, const BuildOptions& build) try {
+  CompiledScene compiled = compile(scene, build);
   const int frame = scene.frames ? (*scene.frames)[0] : 0;
   const auto [width, height] = scene.view.size_px();
   try {

@@ -5,8 +5,8 @@
 #include "common/compile/compile.h"
 #include "common/description/part_file.h"
 #include "common/image/image_file.h"
-#include "host/commands/build_option.h"
 #include "host/commands/commands.h"
+#include "host/commands/hierarchy_options.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
 #include "host/process/interrupt.h"
@@ -62,12 +62,7 @@ void add_compile_command(CommandLine& line) {
   options.text("SCENE", o->scene, ".yaml or .nff, whose objects are compiled").required();
   options.text("-o,--output", o->output, "FILE.rfp, for `use: {file: FILE.rfp}` in scenes; required", "FILE")
       .required();
-  options.choice<SplitRule>(
-      "--hierarchy", o->build.rule, {{"sah", SplitRule::sah}, {"thesis", SplitRule::thesis}},
-      "how volumes are split: by the surface area heuristic, or about the centre of the data (default: sah)");
-  options.number("--max-primitives", o->build.max_primitives, 1, 1000,
-                 "in a leaf of the hierarchy (default: 8)");
-  add_build_option(options, o->build.quality);
+  add_hierarchy_options(options, o->build);
 }
 
 }  // namespace rayfarm

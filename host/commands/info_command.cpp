@@ -3,9 +3,9 @@
 #include "common/description/primitive_counts.h"
 #include "common/hierarchy/frame_state.h"
 #include "common/scene/references.h"
-#include "host/commands/build_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
+#include "host/commands/hierarchy_options.h"
 #include "host/process/exit_code.h"
 
 namespace rayfarm {
@@ -54,9 +54,9 @@ void print_references(const Scene& scene) {
              static_cast<double>(count) / static_cast<double>(references.size()));
 }
 
-int print_info(const std::string& path, BuildQuality quality) {
+int print_info(const std::string& path, const BuildOptions& build) {
   const SceneDescription scene = load_scene(path);
-  const CompiledScene compiled = compile_and_look(scene, quality);
+  const CompiledScene compiled = compile_and_look(scene, build);
   const Scene& s = compiled.scene;
   fmt::print("files\n");
   for (const std::string& file : scene.files) fmt::print("  {}\n", file);
@@ -99,14 +99,14 @@ int print_info(const std::string& path, BuildQuality quality) {
 
 void add_info_command(CommandLine& line) {
   const auto path = std::make_shared<std::string>();
-  const auto quality = std::make_shared<BuildQuality>(BuildQuality::balanced);
+  const auto build = std::make_shared<BuildOptions>();
   Verb verb;
   verb.name = "info";
   verb.help = "print a scene's counts, bounds, object tree and memory";
-  verb.run = [path, quality](const Renders&) { return print_info(*path, *quality); };
+  verb.run = [path, build](const Renders&) { return print_info(*path, *build); };
   Options options = line.add(std::move(verb));
   options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
-  add_build_option(options, *quality);
+  add_hierarchy_options(options, *build);
 }
 
 }  // namespace rayfarm

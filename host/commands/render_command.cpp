@@ -5,9 +5,9 @@
 
 #include "common/sampling/sampler.h"
 #include "common/scene/settings_codec.h"
-#include "host/commands/build_option.h"
 #include "host/commands/colour_option.h"
 #include "host/commands/commands.h"
+#include "host/commands/hierarchy_options.h"
 #include "host/commands/net_options.h"
 #include "host/render/output_pattern.h"
 #include "host/render/render_options.h"
@@ -166,15 +166,6 @@ void add_sampling(Options& options, RenderOptions& o) {
   options.number("--seed", o.settings.seed, "of the random numbers (default: 0)");
 }
 
-void add_hierarchy(Options& options, RenderOptions& o) {
-  options.begin_group("Hierarchy");
-  options.choice<SplitRule>(
-      "--hierarchy", o.split_rule, {{"sah", SplitRule::sah}, {"thesis", SplitRule::thesis}},
-      "how volumes are split: by the surface area heuristic, or about the centre of the data (default: sah)");
-  options.number("--max-primitives", o.max_primitives, 1, 1000, "in a leaf of the hierarchy (default: 8)");
-  add_build_option(options, o.build_quality);
-}
-
 void add_net(Options& options, RenderOptions& o) {
   options.begin_group("Nodes and net");
   options.choice<AssignmentPolicy>(
@@ -328,7 +319,8 @@ void add_render_command(CommandLine& line) {
   add_picture(options, *o);
   add_light(options, *o);
   add_sampling(options, *o);
-  add_hierarchy(options, *o);
+  options.begin_group("Hierarchy");
+  add_hierarchy_options(options, o->build);
   add_net(options, *o);
   add_messages(options, *o);
 }

@@ -50,9 +50,7 @@ class SceneLoading {
 }  // namespace
 
 LoadedScene load_while_nodes_report(const RenderOptions& options, RollCall& roll_call) {
-  SceneLoading loading(options.scene, {.rule = options.split_rule,
-                                       .max_primitives = options.max_primitives,
-                                       .quality = options.build_quality});
+  SceneLoading loading(options.scene, options.build);
   Progress progress(options.is_quiet ? ProgressStyle::none : options.progress);
   std::optional<LoadedScene> loaded;
   const double begin = now_s();

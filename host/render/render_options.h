@@ -33,9 +33,7 @@ struct RenderOptions {
   std::optional<int> least_side_px;  ///< of a subpolygon; empty: the wire's
   double ray_time_s = 0;             ///< of emulated processors; 0: none
   std::vector<double> time_factors;  ///< of emulated processors
-  SplitRule split_rule = SplitRule::sah;
-  uint32_t max_primitives = 8;  ///< in a leaf of the hierarchy
-  BuildQuality build_quality = BuildQuality::balanced;
+  BuildOptions build;
   int local_nodes = 0;  ///< 0: one per core
   double node_timeout_s = liveness::kNodeTimeout_s;
   bool skip_existing = false;

@@ -137,8 +137,8 @@ double expected_cost(const Scene& scene) {
   double sum = 0;
   std::vector<std::pair<ChildRef, double>> stack;
   for (const Part& part : scene.parts) {
-    if (part.structure != Structure::volumes) continue;
-    stack.emplace_back(part.root, 1);
+    if (part.collection.structure != Structure::volumes) continue;
+    stack.emplace_back(part.collection.root, 1);
     while (!stack.empty()) {
       const auto [child, share] = stack.back();
       stack.pop_back();

@@ -2,16 +2,17 @@
 // at points on edges, along axes and out of the middle, is traced alone, in packets and for any hit, and
 // compared with testing every primitive. Any difference is printed and makes the exit code 1.
 //
-//   check_hits [--build=fast|balanced|high] RAYS SCENE...
+//   check_hits RAYS SCENE... [--hierarchy NAME] [--build ...]
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <atomic>
-#include <cstdlib>
 #include <random>
 #include <thread>
 
 #include "common/compile/compile.h"
 #include "common/hierarchy/traverser.h"
+#include "host/commands/hierarchy_options.h"
 
 namespace {
 
@@ -118,24 +119,22 @@ class Checker {
 }  // namespace
 
 int main(int argc, char** argv) {
-  BuildOptions options;
-  const std::string build = argc > 1 ? argv[1] : "";
-  for (const auto& [word, quality] : {std::pair{"--build=fast", BuildQuality::fast},
-                                      {"--build=balanced", BuildQuality::balanced},
-                                      {"--build=high", BuildQuality::high}})
-    if (build == word) {
-      options.quality = quality;
-      --argc;
-      ++argv;
-    }
-  const long rays = argc > 2 ? std::atol(argv[1]) : 0;
-  if (rays <= 0) {
-    fmt::print(stderr, "usage: check_hits [--build=fast|balanced|high] RAYS SCENE...\n");
-    return 2;
+  BuildOptions build;
+  uint32_t rays = 0;
+  std::vector<std::string> scenes;
+  CLI::App app("Compares hits with brute force.");
+  Options options(&app);
+  options.number("RAYS", rays, 1, 1'000'000'000, "rays for each scene").required();
+  app.add_option("SCENE", scenes, "one or more")->required();
+  add_hierarchy_options(options, build);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e);
   }
   size_t all = 0;
-  for (int i = 2; i < argc; ++i) try {
-      const CompiledScene compiled = compile(load_scene(argv[i]), options);
+  for (const std::string& scene : scenes) try {
+      const CompiledScene compiled = compile(load_scene(scene), build);
       const Checker checker(compiled);
       const size_t threads = std::max(1u, std::thread::hardware_concurrency());
       std::atomic<size_t> mismatches = 0;
@@ -148,7 +147,7 @@ int main(int argc, char** argv) {
             mismatches += checker.check(share, t + 1);
           });
       }
-      fmt::print("{}: {} of {} rays differ from brute force\n", argv[i], mismatches.load(), rays);
+      fmt::print("{}: {} of {} rays differ from brute force\n", scene, mismatches.load(), rays);
       std::fflush(stdout);
       all += mismatches;
     } catch (const std::exception& e) {

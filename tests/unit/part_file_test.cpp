@@ -40,6 +40,11 @@ std::string nodes() {
   - {name: bulb, light: {position: [1, 3, 0], ies: lamp.ies}}
   - {light: {position: [-1, 3, 0], color: {spectrum: [[400, 0.3], [500, 0.1], [700, 0.4]]}}}
   - {material: tiles, cylinder: {base: [0, -2, 1], top: [0, 0, 1], radius: 0.3}}
+  - structure: {regular: {cells: 2}}
+    group:
+      - {material: glass, sphere: {center: [0, 0, -2], radius: 0.3}}
+      - {material: red, polygon: {points: [[0, 0, -2], [1, 0, -2], [1, 1, -2], [0, 1, -2]]}}
+      - {structure: thesis, material: red, cylinder: {base: [1, 1, -2], top: [1, 1, -3], radius: 0.3}}
 )";
   for (int i = 0; i < 12; ++i)
     text += fmt::format("  - {{material: glass, sphere: {{center: [{}, {}, -1], radius: 0.2}}}}\n",
@@ -263,7 +268,7 @@ TEST(PartFile, WhatBelongsToASceneIsLeftOutAndTold) {
                {"`view`, `lights`, `ambient`: left out"});
   compile_part();
   BuildOptions thesis;
-  thesis.rule = SplitRule::thesis;
+  thesis.hierarchy = Hierarchy::thesis;
   const CompiledScene compiled = compile(test::load_yaml(scene_with(true)), thesis);
   ASSERT_FALSE(compiled.notes.lines().empty());
   expect_error(compiled.notes.lines().back(), {"part.rfp", "its volumes stay as they were built"});

@@ -73,6 +73,8 @@ scene:
   - {material: gold, use: pair, transform: [{rotate: {axis: [0, 0, 1], degrees: {0: 0, 4: 90}}}, {translate: [0, 1, 0]}]}
   - {use: pair, transform: {translate: [0, -2, 0]}}
   - {use: pair, transform: {translate: [1, -2, 0]}, visible: {0: true, 3: false}}
+  - {structure: {regular: {cells: 2}}, group: [{polygon: {points: [[0, 0, -2], [1, 0, -2], [1, 1, -2], [0, 1, -2]]}},
+     {sphere: {center: [0, 0, -2], radius: 0.3}}, {structure: thesis, sphere: {center: [1, 1, -2], radius: 0.3}}]}
   - {light: {position: [0, 3, 0], falloff: true}, transform: {translate: {0: [0, 0, 0], 4: [1, 0, 0]}}}
   - {use: pair, transform: {orient: {0: {axis: [0, 1, 0], degrees: 0}, 4: {axis: [0, 1, 0], degrees: 90}}}}
 )";
@@ -208,8 +210,36 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
       compiled, &Scene::moving_instances, [](uint32_t& instance) { return instance = 0, true; },
       "an instance that says that it does not move");
   expect_refusal<Part>(
-      compiled, &Scene::parts, [](Part& part) { return part.structure = Structure{2}, true; },
+      compiled, &Scene::parts, [](Part& part) { return part.collection.structure = Structure{3}, true; },
       "a part of no structure");
+  expect_refusal<Collection>(
+      compiled, &Scene::collections,
+      [](Collection& c) { return c.grid = 7, c.structure == Structure::regular; }, "a collection of no grid");
+  expect_refusal<Collection>(
+      compiled, &Scene::collections, [](Collection& c) { return c.leaf_primitive_count = 1u << 30, true; },
+      "a collection of more primitives than there are");
+  expect_refusal<PrimitiveId>(
+      compiled, &Scene::leaf_primitives,
+      [](PrimitiveId& id) {
+        return id.kind() == PrimitiveKind::collection && (id = make_primitive_id(id.kind(), 1), true);
+      },
+      "a collection in itself");
+  expect_refusal<Grid>(
+      compiled, &Scene::grids, [](Grid& grid) { return grid.cells[1] = 0, true; }, "a grid without cells");
+  expect_refusal<Grid>(
+      compiled, &Scene::grids, [](Grid& grid) { return grid.cells[2] = 3, true; },
+      "a grid of more cells than there are");
+  expect_refusal<Grid>(
+      compiled, &Scene::grids, [](Grid& grid) { return grid.cell.y = NAN, true; }, "a grid of no size");
+  expect_refusal<uint32_t>(
+      compiled, &Scene::grid_cells, [](uint32_t& end) { return end = 1000, true; },
+      "a list that ends before it begins");
+  expect_refusal<PrimitivePointer>(
+      compiled, &Scene::primitive_pointers,
+      [](PrimitivePointer& p) { return p = make_pointer(p.kind(), 1 << 20), true; }, "a pointer to nothing");
+  expect_refusal<PrimitivePointer>(
+      compiled, &Scene::primitive_pointers, [](PrimitivePointer& p) { return p.bits = 3u << 30, true; },
+      "a pointer of no kind");
   Scene at_rest = compiled.scene;
   at_rest.moving_instances = {};
   std::vector<Instance> instances(at_rest.instances.begin(), at_rest.instances.end());
@@ -292,9 +322,9 @@ TEST(SceneBlock, TreesAreNoDeeperThanATraverserCanGoAndNoNodeHasTwoParents) {
     Part part = compiled.scene.parts[0];
     for (uint32_t i = 0; i < count; ++i)
       for (size_t slot = 0; slot < (i + 1 < count ? ways : 1); ++slot)
-        set_child(nodes[i], slot, part.bounds,
-                  i + 1 < count ? make_child(ChildKind::inner, i + 1) : part.root);
-    part.root = make_child(ChildKind::inner, 0);
+        set_child(nodes[i], slot, part.collection.bounds,
+                  i + 1 < count ? make_child(ChildKind::inner, i + 1) : part.collection.root);
+    part.collection.root = make_child(ChildKind::inner, 0);
     Scene scene = compiled.scene;
     scene.nodes = nodes;
     scene.parts = std::span(&part, 1);

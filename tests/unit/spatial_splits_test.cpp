@@ -153,7 +153,7 @@ TEST(SpatialSplits, SmoothMeshesAreBuiltAsIfThereWereNone) {
 
 TEST(SpatialSplits, TheThesisRuleSaysThatItTakesNone) {
   const CompiledScene compiled =
-      compile(make_beams(4, 5, 5), {.rule = SplitRule::thesis, .quality = BuildQuality::high});
+      compile(make_beams(4, 5, 5), {.hierarchy = Hierarchy::thesis, .quality = BuildQuality::high});
   ASSERT_FALSE(compiled.notes.lines().empty());
   EXPECT_NE(compiled.notes.lines().back().find("changes nothing here"), std::string::npos);
 }

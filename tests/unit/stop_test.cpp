@@ -31,14 +31,14 @@ SceneDescription make_carpet(uint32_t side) {
 
 TEST(Stop, EndsABuildWithBothRules) {
   const SceneDescription scene = make_carpet(600);
-  for (const SplitRule rule : {SplitRule::sah, SplitRule::thesis}) {
+  for (const Hierarchy hierarchy : {Hierarchy::sah, Hierarchy::thesis}) {
     std::stop_source stop;
     std::thread user([&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(120));
       stop.request_stop();
     });
     const auto begin = std::chrono::steady_clock::now();
-    EXPECT_THROW(compile(scene, {.rule = rule, .stop = stop.get_token()}), Stopped);
+    EXPECT_THROW(compile(scene, {.hierarchy = hierarchy, .stop = stop.get_token()}), Stopped);
     user.join();
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
   }

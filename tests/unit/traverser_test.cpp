@@ -107,35 +107,32 @@ TEST_P(Scales, MixedSceneAgreesWithBruteForce) {
 INSTANTIATE_TEST_SUITE_P(, Scales, testing::Values(1e-3, 1.0, 1e6));
 
 TEST(Traverser, EverySplitRuleAndLeafSize) {
-  for (const BuildOptions& options : {BuildOptions{SplitRule::thesis, 1}, BuildOptions{SplitRule::thesis, 30},
-                                      BuildOptions{SplitRule::sah, 1}, BuildOptions{SplitRule::sah, 30}})
+  for (const BuildOptions& options : {BuildOptions{Hierarchy::thesis, 1}, BuildOptions{Hierarchy::thesis, 30},
+                                      BuildOptions{Hierarchy::sah, 1}, BuildOptions{Hierarchy::sah, 30}})
     compare_with_brute_force(compile(test::make_mixed_scene(4, 1, 300), options), 1, 1500);
 }
 
-TEST(Traverser, EveryStructure) {
-  const SceneDescription description = test::make_mixed_scene(4, 1, 100);
-  const CompiledScene volumes = compile(description),
-                      list = compile(description, {.structure = Structure::list});
-  ASSERT_EQ(list.scene.parts[0].structure, Structure::list);
-  compare_with_brute_force(list, 1, 500);
-  compare_packets_with_single_rays(list, 1, 500);
-  FrameState volumes_state(volumes.scene), list_state(list.scene);
-  std::mt19937 random(21);
-  for (int i = 0; i < 500; ++i) {
-    const Ray ray{test::random_point(random, 2), normalized(test::random_point(random, 1))};
-    const Hit a = closest_hit(volumes.scene, volumes_state.at(0), ray),
-              b = closest_hit(list.scene, list_state.at(0), ray);
-    EXPECT_EQ(a.t, b.t);
-    EXPECT_EQ(a.primitive, b.primitive);
+class Hierarchies : public testing::TestWithParam<Hierarchy> {};
+
+TEST_P(Hierarchies, AnswerAsBruteForceDoes) {
+  for (const double scale : {1e-3, 1.0, 1e6}) {
+    const CompiledScene compiled =
+        compile(test::make_mixed_scene(4, scale, 100), {.hierarchy = GetParam(), .max_primitives = 4});
+    compare_with_brute_force(compiled, scale, 500);
+    compare_packets_with_single_rays(compiled, scale, 300);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, Hierarchies,
+                         testing::Values(Hierarchy::sah, Hierarchy::thesis, Hierarchy::regular,
+                                         Hierarchy::brute));
 
 TEST(Traverser, CountedWalksAnswerAsOthersAndCountWhatTheyVisit) {
   const SceneDescription description = test::make_mixed_scene(6, 1, 400);
   WalkCounts of_volumes, of_list;
   for (const bool is_list : {false, true}) {
     const CompiledScene compiled =
-        compile(description, {.structure = is_list ? Structure::list : Structure::volumes});
+        compile(description, {.hierarchy = is_list ? Hierarchy::brute : Hierarchy::sah});
     FrameState state(compiled.scene);
     const Pose pose = state.at(0);
     std::mt19937 random(22);
@@ -148,6 +145,7 @@ TEST(Traverser, CountedWalksAnswerAsOthersAndCountWhatTheyVisit) {
                 any_hit(compiled.scene, pose, ray));
       if (!is_list) continue;
       const Part& part = compiled.scene.parts[0];
+      ASSERT_EQ(part.collection.structure, Structure::list);
       EXPECT_EQ(counts.nodes, 0u);
       EXPECT_EQ(counts.leaves, 3u);
       EXPECT_EQ(counts.spheres, part.sphere_count);

@@ -11,6 +11,7 @@
 #include "common/description/formats/yaml_reader.h"
 #include "common/description/formats/yaml_shapes.h"
 #include "common/description/formats/yaml_spectra.h"
+#include "common/description/formats/yaml_structures.h"
 #include "common/description/formats/yaml_textures.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
@@ -54,7 +55,7 @@ class Loader {
     scene_.root = static_cast<uint32_t>(scene_.objects.size() - 1);
     map.refuse("camera",
                "the camera is `view: {location: [0, 0, 5], look_at: [0, 0, 0], field_of_view: 45}`");
-    read_children(map.require("scene"), scene_.root, 0, 0);
+    read_children(map.require("scene"), scene_.root, {}, 0);
     map.finish();
     return std::move(scene_);
   }
@@ -149,41 +150,53 @@ class Loader {
     for (uint32_t i = 0; i < entries.size(); ++i) {
       const YamlValue& definition = entries[i].second;
       if (definition.is_sequence()) {
-        read_children(definition, i, 0, 0);
+        read_children(definition, i, {}, 0);
       } else {
-        read_node(definition, i, 0, 0);
+        read_node(definition, i, {}, 0);
       }
     }
   }
 
-  void read_children(const YamlValue& list, uint32_t object, uint32_t material, size_t depth) {
-    for (const YamlValue& item : list.items()) read_node(item, object, material, depth);
+  /// What a node hands down to those in it.
+  struct Inherited {
+    uint32_t material = 0;
+    uint32_t structure = kNone;
+  };
+
+  void read_children(const YamlValue& list, uint32_t object, const Inherited& inherited, size_t depth) {
+    for (const YamlValue& item : list.items()) read_node(item, object, inherited, depth);
   }
 
   /// One entry of an object: a shape, a group or a use of a named object, perhaps with a material and a
   /// transform.
-  void read_node(const YamlValue& value, uint32_t object, uint32_t material, size_t depth) {
+  void read_node(const YamlValue& value, uint32_t object, Inherited inherited, size_t depth) {
     if (depth > limits::kNestingDepth)
       value.fail(fmt::format("objects are nested more than {} deep", limits::kNestingDepth));
     YamlMap map(value);
     const auto own_material = map.find("material");
-    if (own_material) material = find_material(*own_material);
+    if (own_material) inherited.material = find_material(*own_material);
     std::string name;
     if (auto n = map.find("name")) name = n->text();
     ChildDescription child;
     child.place = value.place();
     if (auto t = map.find("transform")) child.transform = read_transform(*t);
     if (auto v = map.find("visible")) child.visible = read_curve(*v, Interpolation::step, read_truth);
+    const auto own_structure = map.find("structure");
+    if (own_structure) {
+      inherited.structure = static_cast<uint32_t>(scene_.structures.size());
+      scene_.structures.push_back(read_structure(*own_structure));
+    }
 
-    // What can move, come and go, or has a name is a node of its own in the object tree; any other entry
-    // joins its parent.
+    // What can move, come and go, has a name or a structure is a node of its own in the object tree; any
+    // other entry joins its parent.
     uint32_t target = object;
-    if (!child.transform.empty() || child.visible || !name.empty()) {
+    if (!child.transform.empty() || child.visible || !name.empty() || own_structure) {
       target = add_object(name.empty() ? fmt::format("line {}", value.place().line) : name, value.place());
+      scene_.objects[target].structure = inherited.structure;
       child.object = target;
       scene_.objects[object].children.push_back(std::move(child));
     }
-    read_content(map, value, target, material, depth);
+    read_content(map, value, target, inherited, depth);
     map.finish();
     if (own_material && map.has("use"))
       scene_.notes.add(scene_.source(own_material->place()),
@@ -191,7 +204,7 @@ class Loader {
     if (own_material && map.has("light"))
       scene_.notes.add(scene_.source(own_material->place()),
                        "a light has no material: `color` is its colour");
-    if (own_material && map.has("mesh")) note_idle_material(*own_material, material, target);
+    if (own_material && map.has("mesh")) note_idle_material(*own_material, inherited.material, target);
   }
 
   /// A mesh whose file gives every face a material needs none.
@@ -214,17 +227,18 @@ class Loader {
     return static_cast<uint32_t>(scene_.objects.size() - 1);
   }
 
-  void read_content(YamlMap& map, const YamlValue& value, uint32_t target, uint32_t material, size_t depth) {
+  void read_content(YamlMap& map, const YamlValue& value, uint32_t target, const Inherited& inherited,
+                    size_t depth) {
     int contents = 0;
     for (const auto& [key, read] : yaml_shapes())
       if (auto v = map.find(key)) {
         ++contents;
         for (Shape& shape : read(*v))
-          scene_.objects[target].primitives.push_back({std::move(shape), material, v->place()});
+          scene_.objects[target].primitives.push_back({std::move(shape), inherited.material, v->place()});
       }
     if (auto v = map.find("mesh")) {
       ++contents;
-      read_mesh(*v, target, material);
+      read_mesh(*v, target, inherited.material);
     }
     if (auto v = map.find("light")) {
       ++contents;
@@ -234,7 +248,7 @@ class Loader {
     }
     if (auto v = map.find("group")) {
       ++contents;
-      read_children(*v, target, material, depth + 1);
+      read_children(*v, target, inherited, depth + 1);
     }
     if (auto v = map.find("use")) {
       ++contents;

@@ -12,7 +12,7 @@ namespace rayfarm {
 
 VolumeTypes count_volume_types(const std::string& scene, int width_px, int height_px) {
   BuildOptions build;
-  build.rule = SplitRule::thesis;
+  build.hierarchy = Hierarchy::thesis;
   build.max_primitives = 15;
   const CompiledScene compiled = compile(load_scene(scene), build);
   RenderSettings settings;

@@ -1,10 +1,10 @@
 #pragma once
-// --build: what a build may take for the sake of the rays.
+// How hierarchies are built: --hierarchy and the options of each.
 #include "common/hierarchy/builder.h"
 #include "host/commands/command_line.h"
 
 namespace rayfarm {
 
-void add_build_option(Options& options, BuildQuality& quality);
+void add_hierarchy_options(Options& options, BuildOptions& build);
 
 }  // namespace rayfarm

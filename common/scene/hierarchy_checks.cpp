@@ -1,0 +1,187 @@
+#include "common/scene/hierarchy_checks.h"
+
+#include <cmath>
+
+#include "common/scene/check_tools.h"
+
+namespace rayfarm {
+namespace {
+
+/// Trees of nodes whose leaves lie in the arrays.
+class TreeChecks {
+ public:
+  TreeChecks(const Scene& s, std::span<const VolumeNode> nodes)
+      : nodes_(nodes),
+        levels_(nodes.size(), 0),
+        triangle_blocks_(s.triangle_blocks.size(), "a leaf's triangles"),
+        sphere_blocks_(s.sphere_blocks.size(), "a leaf's spheres"),
+        leaf_primitives_(s.leaf_primitives.size(), "a leaf's primitives"),
+        leaf_instances_(s.leaf_instances.size(), "a leaf's instances") {}
+
+  /// Roots first, then all that is below them.
+  void check_root(const ChildRef& root, bool of_objects) { check(root, of_objects, 1); }
+  void check_nodes(bool of_objects) {
+    const VolumeNode unused = make_empty_node();
+    for (size_t i = 0; i < nodes_.size(); ++i) {
+      require(levels_[i] > 0, "a node that is nobody's child");
+      for (size_t slot = 0; slot < 8; ++slot) {
+        const ChildRef& child = nodes_[i].children[slot];
+        // Children stand after their parents, so a walk always ends.
+        require(child.kind() != ChildKind::inner || child.first > i, "a node's child");
+        check(child, of_objects, levels_[i] + 1);
+        if (child.kind() == ChildKind::empty)  // its box must let no ray in
+          for (size_t end = 0; end < 2; ++end)
+            for (size_t axis = 0; axis < 3; ++axis)
+              require(nodes_[i].planes[end][axis][slot] == unused.planes[end][axis][slot],
+                      "an unused child's box");
+      }
+    }
+  }
+
+ private:
+  void check(const ChildRef& child, bool of_objects, int level) {
+    const ChildKind kind = child.kind();
+    require(kind <= ChildKind::inner || (kind == ChildKind::instances) == of_objects,
+            "a leaf in the wrong part of the hierarchy");
+    switch (kind) {
+      case ChildKind::empty:
+        require(child.first == 0 && child.count() == 0, "an unused child");
+        return;
+      case ChildKind::inner:
+        // One parent each, or the ways down would multiply; and no more levels than a traverser can remember.
+        require(child.first < nodes_.size() && levels_[child.first] == 0 && level < kMostHierarchyLevels,
+                "a node's child");
+        levels_[child.first] = level;
+        return;
+      case ChildKind::triangles:
+        return triangle_blocks_.take(child.first, child.count());
+      case ChildKind::spheres:
+        return sphere_blocks_.take(child.first, child.count());
+      case ChildKind::mixed:
+        return leaf_primitives_.take(child.first, child.count());
+      case ChildKind::instances:
+        return leaf_instances_.take(child.first, child.count());
+    }
+    require(false, "a child's kind");
+  }
+
+  std::span<const VolumeNode> nodes_;
+  std::vector<int> levels_;  ///< of each node; 0: not met yet
+  OwnRanges triangle_blocks_, sphere_blocks_, leaf_primitives_, leaf_instances_;
+};
+
+/// A range of an array that may have several owners.
+void check_range(size_t size, uint64_t first, uint64_t count, const char* what) {
+  require(first <= size && count <= size - first, what);
+}
+
+void check_grid(const Scene& s, const Grid& grid) {
+  uint64_t count = 1;
+  for (const uint32_t n : grid.cells) {
+    require(n > 0 && n <= kMostCells, "a grid's cells");
+    count *= n;
+  }
+  for (int axis = 0; axis < 3; ++axis)
+    require(std::isfinite(grid.low[axis]) && std::isfinite(grid.cell[axis]) && grid.cell[axis] > 0,
+            "a grid's box");
+  check_range(s.grid_cells.size(), grid.first_cell, count + 1, "a grid's cells");
+  const auto ends = s.grid_cells.subspan(grid.first_cell, count + 1);
+  require(ends.back() <= s.primitive_pointers.size(), "a cell's list");
+  for (size_t i = 0; i < count; ++i) require(ends[i] <= ends[i + 1], "a cell's list");
+}
+
+void check_pointers(const Scene& s) {
+  for (const PrimitivePointer p : s.primitive_pointers) {
+    const uint32_t place = p.place();
+    switch (p.kind()) {
+      case PointerKind::triangle:
+        require(place / 8 < s.triangle_blocks.size() &&
+                    s.triangle_blocks[place / 8].primitives[place % 8] != kNoPrimitive,
+                "a cell's triangle");
+        continue;
+      case PointerKind::sphere:
+        require(place / 8 < s.sphere_blocks.size() && s.sphere_blocks[place / 8].spheres[place % 8] != kNone,
+                "a cell's sphere");
+        continue;
+      case PointerKind::other:
+        require(place < s.leaf_primitives.size(), "a cell's primitive");
+        continue;
+    }
+    require(false, "a cell's primitive");
+  }
+}
+
+/// `before`: the collections that may stand in it.
+void check_collection(const Scene& s, const Collection& c, size_t before, TreeChecks& volumes) {
+  require(c.structure <= Structure::regular, "a collection's structure");
+  require((c.structure == Structure::regular) == (c.grid != kNone) &&
+              (c.grid == kNone || c.grid < s.grids.size()),
+          "a collection's grid");
+  volumes.check_root(c.root, false);
+  check_range(s.triangle_blocks.size(), c.first_triangle_block, c.triangle_block_count,
+              "a collection's triangles");
+  check_range(s.sphere_blocks.size(), c.first_sphere_block, c.sphere_block_count, "a collection's spheres");
+  check_range(s.leaf_primitives.size(), c.first_leaf_primitive, c.leaf_primitive_count,
+              "a collection's primitives");
+  for (const PrimitiveId id : s.leaf_primitives.subspan(c.first_leaf_primitive, c.leaf_primitive_count))
+    require(id.kind() != PrimitiveKind::collection || id.index() < before, "a collection in a collection");
+}
+
+void check_collections(const Scene& s, TreeChecks& volumes) {
+  for (size_t i = 0; i < s.collections.size(); ++i) check_collection(s, s.collections[i], i, volumes);
+  for (const Grid& grid : s.grids) check_grid(s, grid);
+  check_pointers(s);
+}
+
+}  // namespace
+
+void check_hierarchy(const Scene& s) {
+  TreeChecks volumes(s, s.nodes), fixed(s, s.fixed_nodes), moving(s, s.moving_nodes);
+  OwnRanges triangles(s.triangle_blocks.size(), "a part's triangles"),
+      spheres(s.sphere_blocks.size(), "a part's spheres"),
+      primitives(s.leaf_primitives.size(), "a part's primitives");
+  check_collections(s, volumes);
+  for (const Part& part : s.parts) {
+    check_collection(s, part.collection, s.collections.size(), volumes);
+    triangles.take(part.first_triangle_block, part.triangle_block_count);
+    spheres.take(part.first_sphere_block, part.sphere_block_count);
+    primitives.take(part.first_leaf_primitive, part.leaf_primitive_count);
+  }
+  volumes.check_nodes(false);
+  fixed.check_root(s.head().fixed_root, true);
+  fixed.check_nodes(true);
+  moving.check_root(s.head().moving_root, true);
+  moving.check_nodes(true);
+  for (const uint32_t i : s.leaf_instances) require(i < s.instances.size(), "a leaf's instance");
+}
+
+/// What the leaves hold. A lane without a primitive holds numbers that no test accepts.
+void check_leaves(const Scene& s) {
+  for (const TriangleBlock& block : s.triangle_blocks)
+    for (size_t lane = 0; lane < 8; ++lane) {
+      const PrimitiveId p = block.primitives[lane];
+      if (p != kNoPrimitive) {
+        require(exists(s, p, PrimitiveKind::triangle) || exists(s, p, PrimitiveKind::polygon) ||
+                    exists(s, p, PrimitiveKind::face),
+                "a triangle");
+        continue;
+      }
+      for (const auto& vertex : block.vertices)
+        for (const auto& axis : vertex) require(std::isnan(axis[lane]), "an unused triangle");
+    }
+  for (const SphereBlock& block : s.sphere_blocks)
+    for (size_t lane = 0; lane < 8; ++lane) {
+      if (block.spheres[lane] != kNone) {
+        require(block.spheres[lane] < s.spheres.size(), "a sphere");
+        continue;
+      }
+      for (const auto& axis : block.center) require(std::isnan(axis[lane]), "an unused sphere");
+      require(std::isnan(block.radius[lane]), "an unused sphere");
+    }
+  for (const PrimitiveId p : s.leaf_primitives)
+    require(exists(s, p, PrimitiveKind::polygon) || exists(s, p, PrimitiveKind::quadric) ||
+                exists(s, p, PrimitiveKind::collection),
+            "a leaf's primitive");
+}
+
+}  // namespace rayfarm
