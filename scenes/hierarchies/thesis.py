@@ -91,17 +91,17 @@ def beach_house():
         "lights": [{"position": (-1.6, 3.7, 2.6)}],
         "materials": {
             "white": {"color": (0.93, 0.92, 0.89), "ambient": 0.35, "diffuse": 0.62},
-            "glazed": {"color": 0.94, "ambient": 0.3, "diffuse": 0.5, "specular": 0.2, "shininess": 60, "reflect": 0.12},
+            "glazed": {"color": 0.94, "ambient": 0.3, "diffuse": 0.5, "specular": 0.2, "shininess": 60},
             "sky": {"color": (0.5, 0.68, 0.92), "ambient": 0.98, "diffuse": 0},
             "grass": {"color": (0.36, 0.6, 0.22), "ambient": 0.9, "diffuse": 0.1},
             "sand": {"color": (0.9, 0.8, 0.58), "ambient": 0.9, "diffuse": 0.1},
-            "water": {"color": (0.12, 0.33, 0.6), "ambient": 0.65, "diffuse": 0.05, "reflect": 0.28},
-            "brown": {"color": (0.5, 0.3, 0.16), "ambient": 0.3, "diffuse": 0.6, "specular": 0.2, "shininess": 40, "reflect": 0.08},
+            "water": {"color": (0.16, 0.4, 0.68), "ambient": 0.9, "diffuse": 0.1},
+            "brown": {"color": (0.5, 0.3, 0.16), "ambient": 0.3, "diffuse": 0.6, "specular": 0.2, "shininess": 40},
             "wood": {"color": (0.42, 0.26, 0.15), "ambient": 0.4, "diffuse": 0.55},
             "green": {"color": (0.2, 0.55, 0.25)},
-            "red": {"color": (0.8, 0.13, 0.1), "ambient": 0.25, "diffuse": 0.6, "specular": 0.4, "shininess": 60, "reflect": 0.08},
+            "red": {"color": (0.8, 0.13, 0.1), "ambient": 0.25, "diffuse": 0.6, "specular": 0.4, "shininess": 60},
             "gold": {"color": (0.95, 0.72, 0.25), "ambient": 0.2, "diffuse": 0.35, "specular": 0.5, "shininess": 70, "reflect": 0.4},
-            "blue": {"color": (0.16, 0.3, 0.8), "ambient": 0.25, "diffuse": 0.6, "specular": 0.4, "shininess": 60, "reflect": 0.1},
+            "blue": {"color": (0.16, 0.3, 0.8), "ambient": 0.25, "diffuse": 0.6, "specular": 0.4, "shininess": 60},
         },
         "scene": [
             item("room", "white", *room),
@@ -148,7 +148,7 @@ def primitives():
     pyramids = [(1, 25, (-2.5, 0, 1.6)), (1.5, -15, (-2.4, 0, -9)), (0.95, 50, (4.2, 0, 5.4))]
     pyramid = mesh([(-0.8, 0, -0.8), (0.8, 0, -0.8), (0.8, 0, 0.8), (-0.8, 0, 0.8), (0, 1.7, 0)],
                    [(0, 1, 2, 3), (3, 2, 4), (2, 1, 4), (1, 0, 4), (0, 3, 4)])
-    shine = {"specular": 0.3, "shininess": 30}
+    shine = {"ambient": 0.2, "diffuse": 0.65, "specular": 0.3, "shininess": 30, "reflect": 0.12}
     return {
         "comment": ["Image 2 of the thesis (section 4.3.2, Plate 4.1b, Table 4.3): 19 objects of 58 polygons and 8 quadrics.",
                     "The places of ../primitives.yaml, each object under a name of its own, and one light."],
@@ -163,10 +163,10 @@ def primitives():
                       "transmit": 0.85,
                       "index": 1.5},
             "red": {"color": (0.85, 0.2, 0.15), **shine}, "orange": {"color": (0.95, 0.55, 0.15), **shine},
-            "yellow": {"color": (0.9, 0.8, 0.25)},
-            "green": {"color": (0.25, 0.65, 0.3)}, "teal": {"color": (0.15, 0.6, 0.6), **shine},
+            "yellow": {"color": (0.9, 0.8, 0.25), **shine},
+            "green": {"color": (0.25, 0.65, 0.3), **shine}, "teal": {"color": (0.15, 0.6, 0.6), **shine},
             "blue": {"color": (0.2, 0.35, 0.8), **shine},
-            "violet": {"color": (0.55, 0.3, 0.7)},
+            "violet": {"color": (0.55, 0.3, 0.7), **shine},
         },
         "scene": [
             item("floor", "floor", polygon((-80, 0, 80), (80, 0, 80), (80, 0, -80), (-80, 0, -80))),
@@ -209,8 +209,8 @@ def plant():
                                                  (2.1, 1.7)])]
     return {
         "comment": ["Image 3 of the thesis (section 4.3.2, Plate 4.2, Table 4.3): a plant in a corner, 12 objects of 2,708 polygons."],
-        "view": view((1.35, 4.4, 5.3), (-0.05, 1.4, 0), 40, 256, 256),
-        "background": (0.6, 0.7, 0.82),
+        "view": view((1.35, 4.4, 5.3), (-0.05, 1.4, 0), 43, 256, 256),
+        "background": (0.75, 0.78, 0.82),
         "lights": [{"position": (1.6, 6.5, 4.5)}],
         "materials": {
             "green": {"color": (0.2, 0.56, 0.2), "ambient": 0.25, "diffuse": 0.6, "specular": 0.25, "shininess": 30, "reflect": 0.12},
