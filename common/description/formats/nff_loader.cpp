@@ -103,7 +103,9 @@ class SceneJoiner {
 }  // namespace
 
 SceneDescription read_nff_scene(std::string_view text, const std::string& path,
-                                std::span<const size_t> borders, const std::stop_token& stop) {
+                                std::span<const size_t> borders, const std::stop_token& stop,
+                                ReadProgress* progress) {
+  count_opened(progress, text.size());
   const std::vector<std::string_view> texts = cut(text, borders);
   std::vector<NffPiece> pieces(texts.size());
   parallel_for(pieces.size(), [&](size_t i) {
@@ -112,6 +114,7 @@ SceneDescription read_nff_scene(std::string_view text, const std::string& path,
     } catch (const InputError&) {
       pieces[i].is_broken = true;
     }
+    count_read(progress, texts[i].size());
   });
   size_t primitives = 0;
   for (const NffPiece& piece : pieces) primitives += piece.primitives.size();
@@ -130,11 +133,12 @@ SceneDescription read_nff_scene(std::string_view text, const std::string& path,
   return joiner.finish();
 }
 
-SceneDescription load_nff_scene(const std::string& path, const std::stop_token& stop) {
+SceneDescription load_nff_scene(const std::string& path, const std::stop_token& stop,
+                                ReadProgress* progress) {
   const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
   std::vector<size_t> borders;
   for (size_t at = kPieceBytes; at < file.text().size(); at += kPieceBytes) borders.push_back(at);
-  return read_nff_scene(file.text(), path, borders, stop);
+  return read_nff_scene(file.text(), path, borders, stop, progress);
 }
 
 }  // namespace rayfarm

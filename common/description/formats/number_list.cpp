@@ -54,7 +54,8 @@ class Walk {
 
 }  // namespace
 
-NumberList::NumberList(std::string_view inside, std::stop_token stop) : stop_(std::move(stop)) {
+NumberList::NumberList(std::string_view inside, std::stop_token stop, ReadProgress* progress)
+    : stop_(std::move(stop)), progress_(progress) {
   const size_t begin = inside.find_first_not_of(" \r\n");
   if (begin == std::string_view::npos) return;
   is_nested_ = inside[begin] == '[';
@@ -95,6 +96,7 @@ size_t NumberList::for_each(const Take& take) const {
       if (!walk.at_end()) walk.require(',');
     }
     values += of_piece;
+    count_read(progress_, pieces_[piece].text.size());
   });
   return values;
 }

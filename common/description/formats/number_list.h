@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/description/read_progress.h"
 #include "common/errors/stop.h"
 
 namespace rayfarm {
@@ -14,7 +15,7 @@ namespace rayfarm {
 class NumberList {
  public:
   /// `inside` must outlive it.
-  NumberList(std::string_view inside, std::stop_token stop);
+  NumberList(std::string_view inside, std::stop_token stop, ReadProgress* progress = nullptr);
 
   size_t size() const { return size_; }          ///< items
   bool is_nested() const { return is_nested_; }  ///< they are sequences
@@ -34,6 +35,7 @@ class NumberList {
   };
   std::vector<Piece> pieces_;
   std::stop_token stop_;
+  ReadProgress* progress_;
   size_t size_ = 0;
   bool is_nested_ = false;
 };

@@ -34,13 +34,14 @@ class MeshJoiner {
         pieces_(texts.size()),
         beginnings_(texts.size() + 1) {}
 
-  void read() {
+  void read(ReadProgress* progress) {
     parallel_for(pieces_.size(), [&](size_t i) {
       try {
         read_obj_piece(texts_[i], path_, 0, stop_, pieces_[i]);
       } catch (const InputError&) {
         pieces_[i].is_broken = true;
       }
+      count_read(progress, texts_[i].size());
     });
   }
 
@@ -168,7 +169,8 @@ class MeshJoiner {
 
 MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const std::string& path,
                         uint32_t material, Smoothing smoothing, std::span<const size_t> borders,
-                        const std::stop_token& stop) {
+                        const std::stop_token& stop, ReadProgress* progress) {
+  count_opened(progress, text.size());
   std::vector<std::string_view> pieces;
   size_t begin = 0;
   for (size_t border : borders) {
@@ -182,7 +184,7 @@ MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const st
   MeshShape mesh;
   mesh.smoothing = smoothing;
   MeshJoiner joiner(pieces, path, stop, mesh);
-  joiner.read();
+  joiner.read(progress);
   ObjRecords records(scene, path, material, stop);
   joiner.add_to(records);
   joiner.join(records.runs());
@@ -198,12 +200,14 @@ MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const st
 }
 
 PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& path, uint32_t material,
-                                   Smoothing smoothing, const Place& place, const std::stop_token& stop) {
+                                   Smoothing smoothing, const Place& place, const std::stop_token& stop,
+                                   ReadProgress* progress) {
   const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
   scene.files.push_back(path);
   std::vector<size_t> borders;
   for (size_t at = kPieceBytes; at < file.text().size(); at += kPieceBytes) borders.push_back(at);
-  return {read_obj_mesh(scene, file.text(), path, material, smoothing, borders, stop), material, place};
+  return {read_obj_mesh(scene, file.text(), path, material, smoothing, borders, stop, progress), material,
+          place};
 }
 
 }  // namespace rayfarm

@@ -157,7 +157,7 @@ std::optional<NumberList> YamlValue::items_apart() const {
   if (!budget_->outline) return std::nullopt;
   const auto inside = budget_->outline->read_list(place_in_document());
   if (!inside || !node_.IsSequence()) return std::nullopt;
-  return NumberList(*inside, budget_->stop);
+  return NumberList(*inside, budget_->stop, budget_->progress);
 }
 
 void YamlValue::take_all(const NumberList& list, const NumberList::Take& take) const {

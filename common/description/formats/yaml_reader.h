@@ -17,6 +17,7 @@ namespace rayfarm {
 struct YamlBudget {
   size_t nodes_left = 50'000'000;
   std::stop_token stop;
+  ReadProgress* progress = nullptr;
   YamlOutline* outline = nullptr;  ///< what the document was made of, if lists of numbers are read apart
 };
 
