@@ -11,6 +11,7 @@
 #include <bit>
 
 #include "common/hierarchy/rays-inl.h"
+#include "common/math/lanes-inl.h"
 #include "common/math/ray_packet.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -26,11 +27,10 @@ constexpr uint32_t kAllRays = (1u << kPacketRays) - 1;
 /// vectors on their way.
 template <typename Turn>
 HWY_INLINE void copy_wanted(const VectorLanes& from, uint32_t wanted, VectorLanes& to, Turn turn) {
-  const hn::CappedTag<double, kPacketRays> d;
+  const RealTag d;
   const auto first = static_cast<size_t>(std::countr_zero(wanted));
-  for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
-    const auto bits = static_cast<uint8_t>(wanted >> lane);
-    const auto is_wanted = hn::LoadMaskBits(d, &bits);
+  for (size_t lane = 0; lane < kPacketRays; lane += kLanes) {
+    const Truth is_wanted = truth_of(lanes_from(wanted, lane));
     const auto load = [&](size_t axis) HWY_ATTR {
       return hn::IfThenElse(is_wanted, hn::Load(d, &from[axis][lane]), hn::Set(d, from[axis][first]));
     };
@@ -75,7 +75,7 @@ HWY_INLINE void copy_wanted_in_object(const RayPacket& world, const Affine& obje
 /// too). To be asked before anything is prepared: rays that go alone are prepared alone.
 HWY_INLINE bool are_packet(const RayPacket& rays, uint32_t wanted) {
   if ((wanted & (wanted - 1)) == 0) return false;
-  const hn::CappedTag<double, kPacketRays> d;
+  const RealTag d;
   const hn::RebindToSigned<decltype(d)> bits;
   for (const auto& components : rays.directions) {
     uint32_t negative = 0;
@@ -134,9 +134,8 @@ class Packet {
   }
 
  private:
-  using Tag = hn::CappedTag<double, kPacketRays>;
   static HWY_INLINE void find_range(const double* values, double& lo, double& hi) {
-    const Tag d;
+    const RealTag d;
     auto least = hn::Load(d, values), most = least;
     for (size_t i = hn::Lanes(d); i < kPacketRays; i += hn::Lanes(d)) {
       least = hn::Min(least, hn::Load(d, values + i));
@@ -166,7 +165,7 @@ class Packet {
 
   /// What PreparedRay holds of one ray, for all of them at once, by the same operations.
   HWY_INLINE void prepare_lanes(const RayPacket& rays) {
-    const Tag d;
+    const RealTag d;
     z_over_all_ = y_over_x_ = 0;
     backward_ = {};
     for (size_t lane = 0; lane < kPacketRays; lane += hn::Lanes(d)) {
@@ -178,7 +177,7 @@ class Packet {
       const auto least =
           hn::IfThenElse(hn::Lt(largest, hn::Set(d, kShort)), hn::Mul(hn::Set(d, kLeastOfShort), largest),
                          hn::Set(d, kLeastComponent));
-      const auto inverse_of = [&](size_t axis, hn::Vec<Tag> component) HWY_ATTR {
+      const auto inverse_of = [&](size_t axis, Real component) HWY_ATTR {
         const auto inverse = prepare_axis(d, hn::Load(d, &rays.origins[axis][lane]), component, least,
                                           &near_inverse_[axis][lane], &near_bias_[axis][lane],
                                           &far_inverse_[axis][lane], &far_bias_[axis][lane]);
@@ -187,7 +186,7 @@ class Packet {
         return inverse;
       };
       const auto inverse_x = inverse_of(0, x), inverse_y = inverse_of(1, y), inverse_z = inverse_of(2, z);
-      const auto by_axis = [&](hn::Vec<Tag> if_x, hn::Vec<Tag> if_y, hn::Vec<Tag> if_z) HWY_ATTR {
+      const auto by_axis = [&](Real if_x, Real if_y, Real if_z) HWY_ATTR {
         return hn::IfThenElse(z_over_all, if_z, hn::IfThenElse(y_over_x, if_y, if_x));
       };
       const auto shear_z = by_axis(inverse_x, inverse_y, inverse_z);

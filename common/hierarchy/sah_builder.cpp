@@ -1,14 +1,13 @@
 // The surface area heuristic in two steps: a binary tree by binned splits (Wald 2007), then the best collapse
 // of it to eight children a node by dynamic programming (Ylitie, Karras, Laine 2017, section 3.1).
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <future>
 #include <memory>
-#include <thread>
 
 #include "common/hierarchy/builder.h"
 #include "common/hierarchy/spatial_splits.h"
+#include "common/parallel/parallel_for.h"
 
 namespace rayfarm {
 namespace {
@@ -56,7 +55,7 @@ class SahBuilder {
         stop_(options.stop) {}
 
   ChildRef build() {
-    const auto cores = std::max(1u, std::thread::hardware_concurrency());
+    const size_t cores = core_count();
     int task_levels = 0;  // four tasks a core, because they differ in length
     while (cores > 1 && (1u << task_levels) < 4 * cores) ++task_levels;
     Range all{0, static_cast<uint32_t>(references_.size()), 0, Bounds::none(), Bounds::none()};

@@ -102,7 +102,6 @@ HWY_INLINE void sample_triangle_light(std::span<const LuminaireTriangle> triangl
 HWY_INLINE uint32_t sample_light_in_lanes(const Scene& scene, const Pose& pose, const Light& light,
                                           const Real3& p, const Real2& u, RealLightSample& sample) {
   constexpr size_t kMostTriangles = 8;
-  constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
   using std::numbers::pi;
   if (light.diagram != kNone) return 0;
   switch (light.kind) {

@@ -43,8 +43,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// The lanes of a vector: those of a packet from `first` on.
 struct SomeLanes {
   size_t first;
-  bool any(uint32_t bits) const { return (bits >> first & ((1u << kLanes) - 1)) != 0; }
-  HWY_INLINE Truth operator()(uint32_t bits) const { return truth_of(bits >> first & ((1u << kLanes) - 1)); }
+  bool any(uint32_t bits) const { return lanes_from(bits, first) != 0; }
+  HWY_INLINE Truth operator()(uint32_t bits) const { return truth_of(lanes_from(bits, first)); }
   HWY_INLINE Real load(const double* column) const { return hn::Load(RealTag(), column + first); }
   HWY_INLINE Real3 load(const VectorLanes& columns) const { return load3(columns, first); }
   HWY_INLINE Real3 normalized(const Real3& v, Truth wanted) const {

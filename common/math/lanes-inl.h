@@ -37,6 +37,11 @@ HWY_INLINE uint32_t bits_of(Truth truth) {
   hn::StoreMaskBits(RealTag(), truth, bits);
   return bits[0];
 }
+constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
+/// Of the bits of a packet's rays those of the vector whose first lane is given.
+constexpr uint32_t lanes_from(uint32_t bits, size_t lane) {
+  return bits >> lane & kAllLanes;
+}
 /// Of bits as bits_of gives them.
 HWY_INLINE Truth truth_of(uint32_t bits) {
   const auto bytes = static_cast<uint64_t>(bits);

@@ -2,6 +2,7 @@
 
 #include "common/description/primitive_counts.h"
 #include "common/hierarchy/frame_state.h"
+#include "common/scene/references.h"
 #include "host/commands/build_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
@@ -44,16 +45,7 @@ std::string megabytes(size_t bytes) {
 /// How often volumes refer to primitives, and to how many.
 void print_references(const Scene& scene) {
   std::vector<uint32_t> references;
-  const auto add = [&](const auto& ids) {
-    for (const PrimitiveId id : ids)
-      if (id != kNoPrimitive) references.push_back(id.bits);
-  };
-  for (const TriangleBlock& block : scene.triangle_blocks) add(block.primitives);
-  for (const SphereBlock& block : scene.sphere_blocks)
-    for (size_t lane = 0; lane < block.spheres.size(); ++lane)
-      if (!std::isnan(block.center[0][lane]))
-        references.push_back(make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]).bits);
-  add(scene.leaf_primitives);
+  for_each_reference(scene, [&](PrimitiveId id) { references.push_back(id.bits); });
   if (references.empty()) return;
   const size_t count = references.size();
   std::sort(references.begin(), references.end());

@@ -20,6 +20,7 @@
 #include "common/hierarchy/walk_counts.h"
 #include "common/lighting/surface.h"
 #include "common/scene/camera.h"
+#include "common/scene/references.h"
 
 namespace {
 
@@ -152,15 +153,6 @@ double expected_cost(const Scene& scene) {
     }
   }
   return sum;
-}
-
-size_t count_references(const Scene& scene) {
-  size_t references = scene.leaf_primitives.size();
-  for (const TriangleBlock& block : scene.triangle_blocks)
-    for (const PrimitiveId id : block.primitives) references += id != kNoPrimitive;
-  for (const SphereBlock& block : scene.sphere_blocks)
-    for (const uint32_t sphere : block.spheres) references += sphere != kNone;
-  return references;
 }
 
 void compare_builds(const std::string& path) {

@@ -108,7 +108,7 @@ def write_big_scene(test, rows=420):
 
 class LostWhileLoading(JobTest):
     def test_killed_while_loading(self):
-        scene = write_big_scene(self)
+        scene = write_big_scene(self, 1300)  # whose loading takes longer than the longest delay
         for delay in (0.0, 0.3, 0.6):
             for _ in range(3):
                 job = Job(4, "render", scene, "-o", self.folder / "big.png", "--progress", "none", "--size", "64x64")
@@ -312,7 +312,7 @@ class Interrupted(JobTest):
 
     def test_interrupt_while_loading(self):
         scene = write_big_scene(self, 1300)
-        for delay in (0.3, 1.2, 2.5):  # it reads, and builds
+        for delay in (0.1, 0.3, 0.7):  # it reads, and builds
             process = subprocess.Popen([RAYFARM, "render", str(scene), "-o", str(self.folder / "f.png"), "--progress", "none"],
                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             time.sleep(delay)

@@ -2,13 +2,13 @@
 // SIMD target.
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <numbers>
 #include <random>
 
 #include "common/lighting/integrators/classical_surfaces.h"
 #include "common/lighting/torrance_sparrow.h"
 #include "common/math/portable_math.h"
+#include "tests/unit/simd_targets.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -49,12 +49,6 @@ DirectTerms reference(const FrameContext& context, Highlights::Shape shape, cons
   return sum;
 }
 
-bool same_bits(const Vec3& a, const Vec3& b) {
-  for (int c = 0; c < 3; ++c)
-    if (std::bit_cast<uint64_t>(a[c]) != std::bit_cast<uint64_t>(b[c])) return false;
-  return true;
-}
-
 // Points, sources far away, bulbs and spots; dull and shiny materials; packets of any size with misses.
 TEST(DirectLight, OfEightSurfacesIsThatOfOne) {
   const CompiledScene compiled = compile(test::load_yaml(test::view_text() + R"(
@@ -81,9 +75,7 @@ scene:
   const RenderSettings settings;
   const SamplingTables tables(settings, 0);
   const FrameContext context{compiled.scene, pose, tables};
-  for (const std::string& target : simd_targets()) {
-    SCOPED_TRACE(target);
-    force_simd_target(target);
+  test::on_every_target([&] {
     std::mt19937 random(9);
     size_t shown = 0;
     for (int n = 0; n < 600; ++n) {
@@ -102,16 +94,16 @@ scene:
         const DirectTerms one =
             reference(context, shape, eval_surface(compiled.scene, pose, rays[i], hits[i]),
                       *surfaces.materials[i], rays.direction(i));
-        EXPECT_TRUE(same_bits(lane_of(surfaces.diffuse, i), one.diffuse)) << "packet " << n << ", ray " << i;
-        EXPECT_TRUE(same_bits(lane_of(surfaces.specular, i), one.specular))
+        EXPECT_TRUE(test::same_bits(lane_of(surfaces.diffuse, i), one.diffuse))
+            << "packet " << n << ", ray " << i;
+        EXPECT_TRUE(test::same_bits(lane_of(surfaces.specular, i), one.specular))
             << "packet " << n << ", ray " << i;
         shown += one.specular.x > 0;
       });
       if (testing::Test::HasFailure()) break;
     }
     EXPECT_GT(shown, 100u);
-  }
-  force_simd_target("");
+  });
 }
 
 }  // namespace

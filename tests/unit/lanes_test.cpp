@@ -5,12 +5,12 @@
 #include <numbers>
 #include <random>
 
-#include "common/hierarchy/traverser.h"
 #include "common/materials/fresnel.h"
 #include "common/materials/scattering.h"
 #include "common/math/portable_math.h"
 #include "common/sampling/sampler.h"
 #include "common/sampling/warps.h"
+#include "tests/unit/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/unit/lanes_test.cpp"
@@ -108,24 +108,15 @@ HWY_EXPORT(lanes_mirrored);
 HWY_EXPORT(lanes_fresnel);
 HWY_EXPORT(lanes_sobol);
 
+using test::on_every_target;
+
 constexpr size_t kMostColumns = 8;
 struct alignas(64) Table {
   double columns[kMostColumns][8] = {};
 };
 
-template <typename Visitor>
-void on_every_target(Visitor visit) {
-  for (const std::string& target : simd_targets()) {
-    SCOPED_TRACE(target);
-    force_simd_target(target);
-    visit();
-  }
-  force_simd_target("");
-}
-
 void expect_same_bits(double expected, double found) {
-  ASSERT_EQ(std::bit_cast<uint64_t>(expected), std::bit_cast<uint64_t>(found))
-      << expected << " and " << found;
+  ASSERT_TRUE(test::same_bits(expected, found)) << expected << " and " << found;
 }
 
 /// Compares functions of rows of numbers: `make` gives arguments, `scalar` the expected results.

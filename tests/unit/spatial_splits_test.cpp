@@ -4,6 +4,7 @@
 
 #include "common/hierarchy/traverser.h"
 #include "common/hierarchy/walk_counts.h"
+#include "common/scene/references.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -41,15 +42,6 @@ SceneDescription make_beams(uint32_t seed, int beams, int specks) {
   }
   scene.objects.push_back({"beams", {{mesh, 0, {}}}, {}, {}});
   return scene;
-}
-
-size_t count_references(const Scene& scene) {
-  size_t count = scene.leaf_primitives.size();
-  for (const TriangleBlock& block : scene.triangle_blocks)
-    for (const PrimitiveId id : block.primitives) count += id != kNoPrimitive;
-  for (const SphereBlock& block : scene.sphere_blocks)
-    for (const double x : block.center[0]) count += !std::isnan(x);
-  return count;
 }
 
 Ray random_ray(std::mt19937& random) {

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <random>
 #include <set>
 
 #include "common/lighting/eye_rays.h"
 #include "common/math/portable_math.h"
+#include "tests/unit/simd_targets.h"
 #include "tests/unit/test_scene.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -40,23 +40,8 @@ HWY_EXPORT(pow_of_eight);
 
 namespace {
 
-/// Calls `check` on every target of this machine.
-template <typename Check>
-void on_every_target(Check check) {
-  for (const std::string& target : simd_targets()) {
-    SCOPED_TRACE(target);
-    force_simd_target(target);
-    check();
-  }
-  force_simd_target("");
-}
-
-bool same_bits(double a, double b) {
-  return std::bit_cast<uint64_t>(a) == std::bit_cast<uint64_t>(b);
-}
-bool same_bits(const Vec3& a, const Vec3& b) {
-  return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z);
-}
+using test::on_every_target;
+using test::same_bits;
 
 TEST(Lanes, PowersAreThoseOfOneNumber) {
   std::mt19937_64 random(4);

@@ -2,6 +2,7 @@
 #include "common/hierarchy/traverser.h"
 
 #include "common/hierarchy/walk_counts.h"
+#include "tests/unit/simd_targets.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -184,11 +185,7 @@ TEST(Traverser, InstancesUnderTransforms) {
 
 TEST(Traverser, PacketsAreTheirRaysOnEverySimdTarget) {
   const CompiledScene compiled = compile(test::make_mixed_scene(12, 1, 300));
-  for (const std::string& target : simd_targets()) {
-    force_simd_target(target);
-    compare_packets_with_single_rays(compiled, 1, 500);
-  }
-  force_simd_target("");
+  test::on_every_target([&] { compare_packets_with_single_rays(compiled, 1, 500); });
 }
 
 /// A mesh of `count` triangles; triangle i has the corners that `corner(i, 0..2)` tells.

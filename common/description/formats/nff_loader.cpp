@@ -6,28 +6,11 @@
 #include "common/description/formats/nff_piece.h"
 #include "common/description/formats/nff_scene.h"
 #include "common/description/formats/scene_loaders.h"
+#include "common/description/formats/text_pieces.h"
 #include "common/files/read_file.h"
-#include "common/parallel/parallel_for.h"
 
 namespace rayfarm {
 namespace {
-
-/// Of text: enough that a thread's start does not count, few enough that all cores end together.
-constexpr size_t kPieceBytes = 1 << 20;
-
-std::vector<std::string_view> cut(std::string_view text, std::span<const size_t> borders) {
-  std::vector<std::string_view> pieces;
-  size_t begin = 0;
-  for (size_t border : borders) {
-    if (border <= begin) continue;
-    while (border < text.size() && !begins_nff_record(text, border)) ++border;
-    if (border >= text.size()) break;
-    pieces.push_back(text.substr(begin, border - begin));
-    begin = border;
-  }
-  pieces.push_back(text.substr(begin));
-  return pieces;
-}
 
 /// Joins the pieces of one file, in their order.
 class SceneJoiner {
@@ -105,17 +88,10 @@ class SceneJoiner {
 SceneDescription read_nff_scene(std::string_view text, const std::string& path,
                                 std::span<const size_t> borders, const std::stop_token& stop,
                                 ReadProgress* progress) {
-  count_opened(progress, text.size());
-  const std::vector<std::string_view> texts = cut(text, borders);
-  std::vector<NffPiece> pieces(texts.size());
-  parallel_for(pieces.size(), [&](size_t i) {
-    try {
-      read_nff_piece(texts[i], path, {}, stop, pieces[i]);
-    } catch (const InputError&) {
-      pieces[i].is_broken = true;
-    }
-    count_read(progress, texts[i].size());
-  });
+  const std::vector<std::string_view> texts = cut_text(text, borders, begins_nff_record);
+  std::vector<NffPiece> pieces = read_pieces<NffPiece>(
+      texts, progress,
+      [&](std::string_view piece, NffPiece& read) { read_nff_piece(piece, path, {}, stop, read); });
   size_t primitives = 0;
   for (const NffPiece& piece : pieces) primitives += piece.primitives.size();
   SceneJoiner joiner(path);
@@ -136,9 +112,7 @@ SceneDescription read_nff_scene(std::string_view text, const std::string& path,
 SceneDescription load_nff_scene(const std::string& path, const std::stop_token& stop,
                                 ReadProgress* progress) {
   const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
-  std::vector<size_t> borders;
-  for (size_t at = kPieceBytes; at < file.text().size(); at += kPieceBytes) borders.push_back(at);
-  return read_nff_scene(file.text(), path, borders, stop, progress);
+  return read_nff_scene(file.text(), path, borders_of_pieces(file.text().size()), stop, progress);
 }
 
 }  // namespace rayfarm

@@ -5,15 +5,16 @@
 #include <charconv>
 #include <cmath>
 
+#include "common/description/formats/text_pieces.h"
 #include "common/description/scene_description.h"
-#include "common/errors/input_error.h"
-#include "common/parallel/parallel_for.h"
 
 namespace rayfarm {
 namespace {
 
-/// Of text: enough that a thread's start does not count, few enough that all cores end together.
-constexpr size_t kPieceBytes = 1 << 20;
+bool ends_list(std::string_view text) {
+  const size_t last = text.find_last_not_of(" \r\n");
+  return last != std::string_view::npos && text[last] == ']';
+}
 
 /// A walk through the numbers, commas and brackets of a piece.
 class Walk {
@@ -59,12 +60,10 @@ NumberList::NumberList(std::string_view inside, std::stop_token stop, ReadProgre
   const size_t begin = inside.find_first_not_of(" \r\n");
   if (begin == std::string_view::npos) return;
   is_nested_ = inside[begin] == '[';
-  while (!inside.empty()) {
-    // Behind the comma that follows an item.
-    size_t end = is_nested_ ? inside.find(']', std::min(kPieceBytes, inside.size())) : kPieceBytes;
-    end = inside.find(',', std::min(end, inside.size()));
-    const std::string_view text = inside.substr(0, end == std::string_view::npos ? end : end + 1);
-    inside.remove_prefix(text.size());
+  const auto begins_item = [this](std::string_view text, size_t at) {
+    return text[at - 1] == ',' && (!is_nested_ || ends_list(text.substr(0, at - 1)));
+  };
+  for (const std::string_view text : cut_text(inside, borders_of_pieces(inside.size()), begins_item)) {
     pieces_.push_back({text, size_});
     size_ += static_cast<size_t>(std::count(text.begin(), text.end(), is_nested_ ? '[' : ','));
     // A comma may stand behind the last number, or not.

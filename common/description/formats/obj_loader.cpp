@@ -6,14 +6,12 @@
 #include "common/description/formats/obj_mesh.h"
 #include "common/description/formats/obj_records.h"
 #include "common/description/formats/scene_loaders.h"
+#include "common/description/formats/text_pieces.h"
 #include "common/files/read_file.h"
 #include "common/parallel/parallel_for.h"
 
 namespace rayfarm {
 namespace {
-
-/// Of text: enough that a thread's start does not count, few enough that all cores end together.
-constexpr size_t kPieceBytes = 1 << 20;
 
 /// How often long loops ask whether to stop.
 constexpr size_t kFacesPerLook = 1 << 12;
@@ -27,21 +25,11 @@ class MeshJoiner {
  public:
   MeshJoiner(std::span<const std::string_view> texts, const std::string& path, const std::stop_token& stop,
              MeshShape& mesh)
-      : texts_(texts),
-        path_(path),
-        stop_(stop),
-        mesh_(mesh),
-        pieces_(texts.size()),
-        beginnings_(texts.size() + 1) {}
+      : texts_(texts), path_(path), stop_(stop), mesh_(mesh), beginnings_(texts.size() + 1) {}
 
   void read(ReadProgress* progress) {
-    parallel_for(pieces_.size(), [&](size_t i) {
-      try {
-        read_obj_piece(texts_[i], path_, 0, stop_, pieces_[i]);
-      } catch (const InputError&) {
-        pieces_[i].is_broken = true;
-      }
-      count_read(progress, texts_[i].size());
+    pieces_ = read_pieces<ObjPiece>(texts_, progress, [&](std::string_view text, ObjPiece& piece) {
+      read_obj_piece(text, path_, 0, stop_, piece);
     });
   }
 
@@ -170,17 +158,7 @@ class MeshJoiner {
 MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const std::string& path,
                         uint32_t material, Smoothing smoothing, std::span<const size_t> borders,
                         const std::stop_token& stop, ReadProgress* progress) {
-  count_opened(progress, text.size());
-  std::vector<std::string_view> pieces;
-  size_t begin = 0;
-  for (size_t border : borders) {
-    while (border < text.size() && !begins_line(text, border)) ++border;
-    if (border <= begin || border >= text.size()) continue;
-    pieces.push_back(text.substr(begin, border - begin));
-    begin = border;
-  }
-  pieces.push_back(text.substr(begin));
-
+  const std::vector<std::string_view> pieces = cut_text(text, borders, begins_line);
   MeshShape mesh;
   mesh.smoothing = smoothing;
   MeshJoiner joiner(pieces, path, stop, mesh);
@@ -204,10 +182,9 @@ PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& p
                                    ReadProgress* progress) {
   const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
   scene.files.push_back(path);
-  std::vector<size_t> borders;
-  for (size_t at = kPieceBytes; at < file.text().size(); at += kPieceBytes) borders.push_back(at);
-  return {read_obj_mesh(scene, file.text(), path, material, smoothing, borders, stop, progress), material,
-          place};
+  return {read_obj_mesh(scene, file.text(), path, material, smoothing, borders_of_pieces(file.text().size()),
+                        stop, progress),
+          material, place};
 }
 
 }  // namespace rayfarm

@@ -3,7 +3,6 @@
 // number and corner is looked at, and what depends on the whole file is left for later.
 #include <array>
 #include <string_view>
-#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 

@@ -80,19 +80,19 @@ uint32_t face_light(const Surfaces& at, Incoming& in) {
 void add_lit(const Incoming& in, uint32_t lit, uint32_t highlighted, ClassicalSurfaces& surfaces) {
   const RealTag d;
   for (size_t lane = 0; lane < kMostPacketRays; lane += kLanes) {
-    const Truth is_lit = truth_of(lit >> lane & ((1u << kLanes) - 1));
+    const Truth is_lit = truth_of(lanes_from(lit, lane));
     const Real3 to_light = load3(in.to_light, lane), light = load3(in.light, lane);
     const Real distance = hn::Sqrt(dot(to_light, to_light));
     const Real lambert = hn::Load(d, surfaces.diffuse_share + lane) *
                          (hn::Load(d, in.cosine_times_distance + lane) / distance);
     const Real3 diffuse = load3(surfaces.diffuse, lane);
     store3(select(is_lit, diffuse + lambert * light, diffuse), surfaces.diffuse, lane);
-    if ((highlighted >> lane & ((1u << kLanes) - 1)) == 0) continue;
+    if (lanes_from(highlighted, lane) == 0) continue;
     const Real3 n = load3(surfaces.at.shading_normal, lane),
                 direction = load3(surfaces.rays->directions, lane);
     const Real3 reflected = direction - (real(2) * dot(direction, n)) * n;
     const Real cosine = dot(reflected, to_light) / distance;
-    const Truth shows = hn::And(truth_of(highlighted >> lane & ((1u << kLanes) - 1)), cosine > hn::Zero(d));
+    const Truth shows = hn::And(truth_of(lanes_from(highlighted, lane)), cosine > hn::Zero(d));
     if (hn::AllFalse(d, shows)) continue;
     const Real phong =
         hn::Load(d, surfaces.specular_share + lane) * pow(cosine, hn::Load(d, surfaces.shininess + lane));

@@ -345,7 +345,7 @@ class LanesStep {
 PathStep step_vectors(const PathStage& stage, LaneSet lanes, PathColumns& paths, ShadowColumns& shadows) {
   PathStep result;
   for (size_t lane = 0; lane < kMostPacketRays; lane += kLanes) {
-    const LaneSet here = lanes >> lane & ((1u << kLanes) - 1);
+    const LaneSet here = lanes_from(lanes, lane);
     if (here == 0) continue;
     const PathStep step = LanesStep(stage, paths, shadows, lane, here).run();
     result.go_on |= step.go_on << lane;
