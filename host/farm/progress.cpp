@@ -57,6 +57,15 @@ void Progress::print(const std::string& text, double share_done) {
   }
 }
 
+void Progress::show_reading(double now_s, uint64_t done, uint64_t total) {
+  if (style_ == ProgressStyle::none || total == 0 || !is_time(now_s)) return;
+  const double share = static_cast<double>(std::min(done, total)) / static_cast<double>(total);
+  const double total_MB = static_cast<double>(total) / 1e6;
+  print(fmt::format("{:5.1f} %  {}  reading {:.1f} of {:.1f} MB", 100 * share, format_duration(now_s),
+                    share * total_MB, total_MB),
+        share);
+}
+
 void Progress::show_building(double now_s, uint64_t done, uint64_t total) {
   if (style_ == ProgressStyle::none || total == 0 || !is_time(now_s)) return;
   // Clipping makes more pieces than there were primitives.

@@ -11,6 +11,8 @@ enum class ProgressStyle { automatic, tty, plain, none };
 class Progress {
  public:
   explicit Progress(ProgressStyle style, uint64_t pixels_total = 0);
+  /// Shows how much of the scene's files is read, in bytes, if it is time to.
+  void show_reading(double now_s, uint64_t done, uint64_t total);
   /// Shows how far the hierarchy of a big scene is, if it is time to.
   void show_building(double now_s, uint64_t done, uint64_t total);
   /// Shows the state if it is time to; `now_s` is the time since tracing began.

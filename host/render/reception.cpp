@@ -11,12 +11,15 @@ namespace {
 /// A scene with so many primitives takes long enough to build that its progress is shown.
 constexpr uint64_t kBigScene = 200'000;
 
+/// Reading that takes longer is shown.
+constexpr double kLongReading_s = 1;
+
 /// A scene that is being loaded by another thread; stops it when it is no longer wanted.
 class SceneLoading {
  public:
   SceneLoading(const std::string& path, const BuildOptions& build)
-      : future_(std::async(std::launch::async | std::launch::deferred, load, path, build, &progress_,
-                           stop_.get_token())) {}
+      : future_(std::async(std::launch::async | std::launch::deferred, load, path, build, &reading_,
+                           &building_, stop_.get_token())) {}
   ~SceneLoading() { stop_.request_stop(); }
   SceneLoading(const SceneLoading&) = delete;
   SceneLoading& operator=(const SceneLoading&) = delete;
@@ -25,16 +28,17 @@ class SceneLoading {
   bool is_ready() const { return future_.wait_for(std::chrono::seconds(0)) != std::future_status::timeout; }
   /// Once, when it is ready. Throws what loading threw.
   LoadedScene take() { return future_.get(); }
-  const BuildProgress& progress() const { return progress_; }
+  const ReadProgress& reading() const { return reading_; }
+  const BuildProgress& building() const { return building_; }
 
  private:
-  static LoadedScene load(const std::string& path, BuildOptions build, BuildProgress* progress,
-                          std::stop_token stop) {
+  static LoadedScene load(const std::string& path, BuildOptions build, ReadProgress* reading,
+                          BuildProgress* building, std::stop_token stop) {
     LoadedScene loaded;
     const double begin = now_s();
-    loaded.description = load_scene(path, stop);
+    loaded.description = load_scene(path, stop, reading);
     loaded.load_s = now_s() - begin;
-    build.progress = progress;
+    build.progress = building;
     build.stop = std::move(stop);
     loaded.compiled = compile(loaded.description, build);
     loaded.build_s = now_s() - begin - loaded.load_s;
@@ -42,7 +46,8 @@ class SceneLoading {
     return loaded;
   }
 
-  BuildProgress progress_;
+  ReadProgress reading_;
+  BuildProgress building_;
   std::stop_source stop_;
   std::future<LoadedScene> future_;  // last: its end waits for the thread
 };
@@ -58,8 +63,13 @@ LoadedScene load_while_nodes_report(const RenderOptions& options, RollCall& roll
   while (!loaded || !roll_call.all_reported()) {
     if (!loaded && loading.is_ready()) loaded = loading.take();
     roll_call.serve();
-    const BuildProgress& building = loading.progress();
-    if (building.total >= kBigScene) progress.show_building(now_s() - begin, building.done, building.total);
+    const double since_s = now_s() - begin;
+    const BuildProgress& building = loading.building();
+    if (building.total >= kBigScene) {
+      progress.show_building(since_s, building.done, building.total);
+    } else if (!loaded && building.total == 0 && since_s > kLongReading_s) {
+      progress.show_reading(since_s, loading.reading().done, loading.reading().total);
+    }
     backoff.wait();
   }
   progress.clear();

@@ -18,7 +18,7 @@ import tempfile
 HEAD = "view: {location: [0, 0, 4], look_at: [0, 0, 0]}\n"
 
 
-def write_files(folder, columns):
+def write_files(folder, columns, yaml_share):
     from write_scenes import bumpy_sphere
     points, triangles = bumpy_sphere(columns, columns // 2)
     number = "{:.6f}".format
@@ -27,7 +27,7 @@ def write_files(folder, columns):
         out.writelines(f"v {row}\n" for row in rows)
         out.writelines("f {} {} {}\n".format(*(i + 1 for i in t)) for t in triangles)
     (folder / "obj.yaml").write_text(HEAD + "scene: [{mesh: {file: obj.obj}}]\n")
-    few = triangles[:len(triangles) // 10]  # YAML takes longer
+    few = triangles[:int(len(triangles) * yaml_share)]
     with open(folder / "nff.nff", "w") as out:
         out.write("v\nfrom 0 0 4\nat 0 0 0\nup 0 1 0\nangle 45\nhither 1\nresolution 32 32\n")
         out.writelines("p 3\n" + "".join(rows[i] + "\n" for i in t) for t in triangles)
@@ -54,12 +54,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs", nargs="+", metavar="RAYFARM")
     parser.add_argument("--columns", type=int, default=1000, help="of a mesh of about N² triangles (default: 1000)")
+    parser.add_argument("--yaml-share", type=float, default=1, metavar="S",
+                        help="of the triangles, in the YAML file: less for programs that need 12 kB for each (default: 1)")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         # By a process of its own: what this one holds would count as its children's.
         subprocess.run([sys.executable, "-c", "import pathlib, sys, loading; loading.write_files(pathlib.Path("
-                        "sys.argv[1]), int(sys.argv[2]))", name, str(options.columns)],
+                        "sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]))", name, str(options.columns),
+                        str(options.yaml_share)],
                        check=True, cwd=pathlib.Path(__file__).parent)
         counts = json.loads((folder / "counts.json").read_text())
         files = {"obj": "obj.obj", "nff": "nff.nff", "yaml": "yaml.yaml"}

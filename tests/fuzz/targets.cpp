@@ -12,6 +12,7 @@
 #include "common/description/formats/ies_loader.h"
 #include "common/description/formats/nff_scene.h"
 #include "common/description/formats/scene_loaders.h"
+#include "common/description/formats/yaml_scene.h"
 #include "common/description/part_file.h"
 #include "common/description/primitive_counts.h"
 #include "common/files/read_file.h"
@@ -20,6 +21,7 @@
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
 #include "tests/render_little.h"
+#include "tests/scene_text.h"
 
 namespace rayfarm::fuzz {
 
@@ -94,6 +96,18 @@ void cut_nff(const std::string& bytes) {
   };
   if (read({}) != read(borders)) throw std::logic_error("cut into pieces the file is another");
 }
+
+/// With its lists of numbers read apart a file is what it is as a whole.
+void read_yaml_both_ways(const std::string& bytes, const std::string& path) {
+  try {
+    const auto apart = read_yaml_outline(bytes, path, 0);
+    if (apart && test::text_of_scene(*apart) != test::text_of_scene(read_yaml_whole(bytes, path)))
+      throw std::logic_error("with its lists read apart the file is another");
+  } catch (const InputError&) {
+    throw std::logic_error("with its lists read apart the file has no error");
+  }
+}
+
 constexpr const char* kIes =
     "IESNA:LM-63-2002\n[TEST] x\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n100 50 0\n";
 
@@ -261,7 +275,11 @@ std::vector<Target> make_targets(const std::string& path) {
   folder.write("a.obj", kObj);
   return {
       {"yaml",
-       [folder](const std::string& bytes) { render_file(folder.write("in.yaml", bytes)); },
+       [folder](const std::string& bytes) {
+         const std::string file = folder.write("in.yaml", bytes);
+         read_yaml_both_ways(bytes, file);
+         render_file(file);
+       },
        scene_seeds(".yaml"),
        {"[",
         "]",
@@ -282,6 +300,8 @@ std::vector<Target> make_targets(const std::string& path) {
         "  ",
         "use: ",
         "transform: ",
+        "points: [[0, 0, 0], [1, 0, 0], [0, 1, 0]]",
+        "triangles: [[0, 1, 2]]",
         "mesh: {file: a.obj}",
         "mix: {a: a, b: b, by: t}",
         "{spectrum: [[400, 0.5]]}",

@@ -86,10 +86,12 @@ class SceneJoiner {
 }  // namespace
 
 SceneDescription read_nff_scene(std::string_view text, const std::string& path,
-                                std::span<const size_t> borders, const std::stop_token& stop) {
+                                std::span<const size_t> borders, const std::stop_token& stop,
+                                ReadProgress* progress) {
   const std::vector<std::string_view> texts = cut_text(text, borders, begins_nff_record);
   std::vector<NffPiece> pieces = read_pieces<NffPiece>(
-      texts, [&](std::string_view piece, NffPiece& read) { read_nff_piece(piece, path, {}, stop, read); });
+      texts, progress,
+      [&](std::string_view piece, NffPiece& read) { read_nff_piece(piece, path, {}, stop, read); });
   size_t primitives = 0;
   for (const NffPiece& piece : pieces) primitives += piece.primitives.size();
   SceneJoiner joiner(path);
@@ -107,9 +109,10 @@ SceneDescription read_nff_scene(std::string_view text, const std::string& path,
   return joiner.finish();
 }
 
-SceneDescription load_nff_scene(const std::string& path, const std::stop_token& stop) {
+SceneDescription load_nff_scene(const std::string& path, const std::stop_token& stop,
+                                ReadProgress* progress) {
   const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
-  return read_nff_scene(file.text(), path, borders_of_pieces(file.text().size()), stop);
+  return read_nff_scene(file.text(), path, borders_of_pieces(file.text().size()), stop, progress);
 }
 
 }  // namespace rayfarm

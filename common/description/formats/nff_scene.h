@@ -11,6 +11,7 @@ namespace rayfarm {
 /// a line; borders rise. They decide which core reads what and where a mesh of triangles ends, and nothing
 /// else. Throws InputError and Stopped.
 SceneDescription read_nff_scene(std::string_view text, const std::string& path,
-                                std::span<const size_t> borders, const std::stop_token& stop = {});
+                                std::span<const size_t> borders, const std::stop_token& stop = {},
+                                ReadProgress* progress = nullptr);
 
 }  // namespace rayfarm

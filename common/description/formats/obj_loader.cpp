@@ -27,8 +27,8 @@ class MeshJoiner {
              MeshShape& mesh)
       : texts_(texts), path_(path), stop_(stop), mesh_(mesh), beginnings_(texts.size() + 1) {}
 
-  void read() {
-    pieces_ = read_pieces<ObjPiece>(texts_, [&](std::string_view text, ObjPiece& piece) {
+  void read(ReadProgress* progress) {
+    pieces_ = read_pieces<ObjPiece>(texts_, progress, [&](std::string_view text, ObjPiece& piece) {
       read_obj_piece(text, path_, 0, stop_, piece);
     });
   }
@@ -157,12 +157,12 @@ class MeshJoiner {
 
 MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const std::string& path,
                         uint32_t material, Smoothing smoothing, std::span<const size_t> borders,
-                        const std::stop_token& stop) {
+                        const std::stop_token& stop, ReadProgress* progress) {
   const std::vector<std::string_view> pieces = cut_text(text, borders, begins_line);
   MeshShape mesh;
   mesh.smoothing = smoothing;
   MeshJoiner joiner(pieces, path, stop, mesh);
-  joiner.read();
+  joiner.read(progress);
   ObjRecords records(scene, path, material, stop);
   joiner.add_to(records);
   joiner.join(records.runs());
@@ -178,11 +178,12 @@ MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const st
 }
 
 PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& path, uint32_t material,
-                                   Smoothing smoothing, const Place& place, const std::stop_token& stop) {
+                                   Smoothing smoothing, const Place& place, const std::stop_token& stop,
+                                   ReadProgress* progress) {
   const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
   scene.files.push_back(path);
   return {read_obj_mesh(scene, file.text(), path, material, smoothing, borders_of_pieces(file.text().size()),
-                        stop),
+                        stop, progress),
           material, place};
 }
 

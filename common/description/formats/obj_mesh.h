@@ -12,6 +12,6 @@ namespace rayfarm {
 /// without a material have `material`. Throws InputError and Stopped.
 MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const std::string& path,
                         uint32_t material, Smoothing smoothing, std::span<const size_t> borders,
-                        const std::stop_token& stop = {});
+                        const std::stop_token& stop = {}, ReadProgress* progress = nullptr);
 
 }  // namespace rayfarm

@@ -44,7 +44,7 @@ std::optional<std::array<int, 2>> frames_of(const Scene& objects) {
 
 }  // namespace
 
-SceneDescription load_part_scene(const std::string& path, const std::stop_token& stop) {
+SceneDescription load_part_scene(const std::string& path, const std::stop_token& stop, ReadProgress*) {
   SceneDescription scene;
   scene.files = {path};
   scene.materials.emplace_back("default");

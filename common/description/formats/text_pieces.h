@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/description/read_progress.h"
 #include "common/errors/input_error.h"
 #include "common/parallel/parallel_for.h"
 
@@ -37,9 +38,11 @@ std::vector<std::string_view> cut_text(std::string_view text, std::span<const si
   return pieces;
 }
 
-/// Calls read(text, piece) for each text; where that throws an InputError, piece.is_broken.
+/// Calls read(text, piece) for each text, and counts its bytes; where that throws an InputError,
+/// piece.is_broken.
 template <typename Piece, typename Read>
-std::vector<Piece> read_pieces(std::span<const std::string_view> texts, Read read) {
+std::vector<Piece> read_pieces(std::span<const std::string_view> texts, ReadProgress* progress, Read read) {
+  for (const std::string_view text : texts) count_opened(progress, text.size());
   std::vector<Piece> pieces(texts.size());
   parallel_for(pieces.size(), [&](size_t i) {
     try {
@@ -47,6 +50,7 @@ std::vector<Piece> read_pieces(std::span<const std::string_view> texts, Read rea
     } catch (const InputError&) {
       pieces[i].is_broken = true;
     }
+    count_read(progress, texts[i].size());
   });
   return pieces;
 }

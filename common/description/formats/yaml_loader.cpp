@@ -9,6 +9,7 @@
 #include "common/description/formats/yaml_curves.h"
 #include "common/description/formats/yaml_materials.h"
 #include "common/description/formats/yaml_reader.h"
+#include "common/description/formats/yaml_scene.h"
 #include "common/description/formats/yaml_shapes.h"
 #include "common/description/formats/yaml_spectra.h"
 #include "common/description/formats/yaml_structures.h"
@@ -19,16 +20,25 @@
 namespace rayfarm {
 namespace {
 
+/// Lists of numbers that are shorter are left to the library: 256 bytes are some ten points.
+constexpr size_t kLeastListBytes = 256;
+
 class Loader {
  public:
-  Loader(const std::string& path, const std::stop_token& stop) : path_(path) { budget_.stop = stop; }
+  /// Of a text, or of its outline.
+  Loader(std::string_view text, const std::string& path, const std::stop_token& stop, ReadProgress* progress,
+         YamlOutline* outline)
+      : text_(outline ? outline->text() : text), path_(path) {
+    budget_.stop = stop;
+    budget_.progress = progress;
+    budget_.outline = outline;
+  }
 
   SceneDescription load() {
-    const std::string text = read_file(path_, limits::kYamlFileBytes, budget_.stop);
     scene_.files = {path_};
     YAML::Node document;
     try {
-      StoppableText buffer(text, budget_.stop);
+      StoppableText buffer(text_, budget_.stop, budget_.progress);
       std::istream in(&buffer);
       document = YAML::Load(in);
     } catch (const YAML::ParserException& e) {
@@ -306,13 +316,14 @@ class Loader {
     if (extension_of(path.string()) != ".obj")
       file.fail("a mesh is read from an .obj file; export it as one");
     try {
-      scene_.objects[object].primitives.push_back(
-          load_obj_mesh(scene_, path.string(), material, smoothing, value.place(), value.stop()));
+      scene_.objects[object].primitives.push_back(load_obj_mesh(
+          scene_, path.string(), material, smoothing, value.place(), value.stop(), budget_.progress));
     } catch (const IoError& e) {
       file.fail(e.what());
     }
   }
 
+  std::string_view text_;
   std::string path_;
   YamlBudget budget_;
   SceneDescription scene_;
@@ -322,8 +333,32 @@ class Loader {
 
 }  // namespace
 
-SceneDescription load_yaml_scene(const std::string& path, const std::stop_token& stop) {
-  return Loader(path, stop).load();
+SceneDescription read_yaml_whole(std::string_view text, const std::string& path, const std::stop_token& stop,
+                                 ReadProgress* progress) {
+  count_opened(progress, text.size());
+  return Loader(text, path, stop, progress, nullptr).load();
+}
+
+std::optional<SceneDescription> read_yaml_outline(std::string_view text, const std::string& path,
+                                                  size_t least_bytes, const std::stop_token& stop,
+                                                  ReadProgress* progress) {
+  std::optional<YamlOutline> outline = outline_of(text, least_bytes);
+  if (!outline || outline->is_empty()) return std::nullopt;
+  count_opened(progress, text.size());
+  try {
+    SceneDescription scene = Loader(text, path, stop, progress, &*outline).load();
+    if (outline->is_read()) return scene;
+  } catch (const InputError&) {  // the whole text is read for what is to be told of it
+  }
+  if (progress) progress->done = progress->total.load();
+  return std::nullopt;
+}
+
+SceneDescription load_yaml_scene(const std::string& path, const std::stop_token& stop,
+                                 ReadProgress* progress) {
+  const std::string text = read_file(path, limits::kYamlFileBytes, stop);
+  if (auto scene = read_yaml_outline(text, path, kLeastListBytes, stop, progress)) return std::move(*scene);
+  return read_yaml_whole(text, path, stop, progress);
 }
 
 }  // namespace rayfarm

@@ -25,7 +25,11 @@ std::optional<Color> color_of_code(const std::string& text) {
 }  // namespace
 
 YamlValue::YamlValue(const YAML::Node& node, std::string what, const std::string& file, YamlBudget& budget)
-    : node_(node), mark_(node.Mark()), what_(std::move(what)), file_(&file), budget_(&budget) {
+    : node_(node),
+      place_(budget.outline ? budget.outline->place_in_text(place_in_document()) : place_in_document()),
+      what_(std::move(what)),
+      file_(&file),
+      budget_(&budget) {
   if (budget.nodes_left == 0) fail("the document expands to too many values (do its anchors multiply?)");
   --budget.nodes_left;
   throw_if_stopped(budget.stop);
@@ -37,7 +41,7 @@ void YamlValue::fail(const std::string& problem) const {
 }
 
 Place YamlValue::place() const {
-  return {0, mark_.line + 1, mark_.column + 1};
+  return {0, place_.line + 1, place_.column + 1};
 }
 
 double YamlValue::number() const {
@@ -142,10 +146,24 @@ void YamlValue::fail_unknown(const std::string& kind, const std::vector<std::str
 
 std::vector<YamlValue> YamlValue::items() const {
   if (!node_.IsSequence()) fail(fmt::format("{} must be a list", what_));
+  if (items_apart()) fail(fmt::format("{} must not be a list of numbers", what_));
   std::vector<YamlValue> result;
   result.reserve(node_.size());
   for (const YAML::Node& item : node_) result.emplace_back(item, what_, *file_, *budget_);
   return result;
+}
+
+std::optional<NumberList> YamlValue::items_apart() const {
+  if (!budget_->outline) return std::nullopt;
+  const auto inside = budget_->outline->read_list(place_in_document());
+  if (!inside || !node_.IsSequence()) return std::nullopt;
+  return NumberList(*inside, budget_->stop, budget_->progress);
+}
+
+void YamlValue::take_all(const NumberList& list, const NumberList::Take& take) const {
+  const size_t values = list.for_each(take);
+  if (values > budget_->nodes_left) fail("the document holds too many values");
+  budget_->nodes_left -= values;
 }
 
 std::vector<std::pair<YamlValue, YamlValue>> YamlValue::entries() const {
@@ -157,7 +175,7 @@ std::vector<std::pair<YamlValue, YamlValue>> YamlValue::entries() const {
     if (!entry.first.IsScalar()) key.fail("a key must be a word");
     result.emplace_back(key, YamlValue(entry.second, entry.first.Scalar(), *file_, *budget_));
     // Nothing stands nowhere: the library gives it the place of what comes next.
-    if (entry.second.IsNull()) result.back().second.mark_ = entry.first.Mark();
+    if (entry.second.IsNull()) result.back().second.place_ = key.place_;
   }
   return result;
 }

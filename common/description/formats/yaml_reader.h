@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/description/formats/number_list.h"
+#include "common/description/formats/yaml_outline.h"
 #include "common/description/scene_description.h"
 
 namespace rayfarm {
@@ -15,6 +17,8 @@ namespace rayfarm {
 struct YamlBudget {
   size_t nodes_left = 50'000'000;
   std::stop_token stop;
+  ReadProgress* progress = nullptr;
+  YamlOutline* outline = nullptr;  ///< what the document was made of, if lists of numbers are read apart
 };
 
 /// A YAML node with the name of its file and of what it stands for. Whatever makes one throws Stopped.
@@ -45,12 +49,19 @@ class YamlValue {
   size_t choice(const std::vector<std::string>& choices) const;
 
   std::vector<YamlValue> items() const;
+  /// The items of a list of numbers, or of lists of them, that is read apart: for `take_all`. Nothing if it
+  /// is as others are.
+  std::optional<NumberList> items_apart() const;
+  /// Hands all of them to `take`, and counts them.
+  void take_all(const NumberList& list, const NumberList::Take& take) const;
   /// The entries of a map in the file's order: key and value.
   std::vector<std::pair<YamlValue, YamlValue>> entries() const;
 
  private:
+  YamlPlace place_in_document() const { return {node_.Mark().line, node_.Mark().column}; }
+
   YAML::Node node_;
-  YAML::Mark mark_;
+  YamlPlace place_;  ///< in the file
   std::string what_;
   const std::string* file_;
   YamlBudget* budget_;

@@ -2,6 +2,7 @@
 
 #include "common/description/formats/mesh_faces.h"
 #include "common/description/formats/solids.h"
+#include "common/parallel/parallel_for.h"
 #include "common/shapes/triangulate.h"
 
 namespace rayfarm {
@@ -56,12 +57,32 @@ std::vector<Shape> read_quadric(const YamlValue& value) {
   return {quadric};
 }
 
+enum class Vectors { any, not_zero };
+
+/// Long lists are read by all cores.
+template <typename List>
+void read_vectors(const YamlValue& value, Vectors which, List& vectors) {
+  const auto list = value.items_apart();
+  if (!list) {
+    for (const YamlValue& item : value.items())
+      vectors.emplace_back(which == Vectors::any ? item.vector() : item.direction());
+    return;
+  }
+  vectors.resize(list->size());
+  value.take_all(*list, [&](size_t, size_t i, std::span<const double> v) {
+    if (v.size() != 3) value.fail("three numbers were expected");
+    const Vec3 vector(v[0], v[1], v[2]);
+    if (which == Vectors::not_zero && max_magnitude(vector) == 0)
+      value.fail("a zero vector was not expected");
+    vectors[i] = typename List::value_type(vector);
+  });
+}
+
 std::vector<Shape> read_polygon(const YamlValue& value) {
   YamlMap map(value);
   PolygonShape polygon;
-  for (const YamlValue& p : map.require("points").items()) polygon.points.push_back(p.vector());
-  if (auto normals = map.find("normals"))
-    for (const YamlValue& n : normals->items()) polygon.normals.push_back(n.direction());
+  read_vectors(map.require("points"), Vectors::any, polygon.points);
+  if (auto normals = map.find("normals")) read_vectors(*normals, Vectors::not_zero, polygon.normals);
   if (!polygon.normals.empty() && polygon.normals.size() != polygon.points.size())
     value.fail(fmt::format("the polygon has {} points but {} normals", polygon.points.size(),
                            polygon.normals.size()));
@@ -93,17 +114,81 @@ std::vector<Shape> read_box(const YamlValue& value) {
   return sides;
 }
 
-/// A mesh's faces stand under `key`; each has `least_corners` at least, `most_corners` at most.
-std::vector<Shape> read_faces(const YamlValue& value, const char* key, size_t least_corners,
-                              size_t most_corners, const char* advice) {
+/// What faces under a mesh's `key` may be.
+struct FaceKind {
+  const char* key;
+  size_t least_corners, most_corners;
+  const char* advice;
+
+  bool allows(size_t corners) const { return corners >= least_corners && corners <= most_corners; }
+};
+
+void add_faces(const YamlValue& faces, const FaceKind& kind, MeshShape& mesh) {
+  std::vector<FaceCorner> corners;
+  for (const YamlValue& face : faces.items()) {
+    corners.clear();
+    for (const YamlValue& corner : face.items()) {
+      const auto point =
+          static_cast<uint32_t>(corner.whole_number_in(0, static_cast<int>(mesh.positions.size()) - 1));
+      corners.push_back({point, mesh.normals.empty() ? ~0u : point});
+    }
+    if (!kind.allows(corners.size())) face.fail(kind.advice);
+    add_face(mesh, corners);
+  }
+}
+
+/// The same of a long list: its pieces are read, and then set into the mesh, by all cores.
+void add_faces_apart(const YamlValue& faces, const NumberList& list, const FaceKind& kind, MeshShape& mesh) {
+  struct Piece {
+    LargeVector<uint32_t> sides, corners;
+    FacePlace begin;
+  };
+  std::vector<Piece> pieces(list.piece_count());
+  const auto end_of_points = static_cast<double>(mesh.positions.size());
+  faces.take_all(list, [&](size_t i, size_t, std::span<const double> numbers) {
+    if (!kind.allows(numbers.size())) faces.fail(kind.advice);
+    pieces[i].sides.push_back(static_cast<uint32_t>(numbers.size()));
+    for (const double number : numbers) {
+      if (!(number >= 0 && number < end_of_points && number == std::floor(number)))
+        faces.fail("an index into `points` was expected");
+      pieces[i].corners.push_back(static_cast<uint32_t>(number));
+    }
+  });
+  FacePlace end;
+  for (Piece& piece : pieces) {
+    piece.begin = end;
+    for (const uint32_t sides : piece.sides) {
+      end.triangle += sides == 3;
+      end.polygon += sides > 3;
+      end.polygon_corner += sides > 3 ? sides : 0;
+    }
+  }
+  resize_faces(mesh, end);
+  parallel_for(pieces.size(), [&](size_t i) {
+    throw_if_stopped(faces.stop());
+    FacePlace place = pieces[i].begin;
+    std::vector<FaceCorner> corners;
+    size_t first = 0;
+    for (const uint32_t sides : pieces[i].sides) {
+      corners.clear();
+      for (const uint32_t point : std::span(pieces[i].corners).subspan(first, sides))
+        corners.push_back({point, mesh.normals.empty() ? ~0u : point});
+      set_face(mesh, place, corners);
+      first += sides;
+    }
+    pieces[i] = {};
+  });
+}
+
+std::vector<Shape> read_mesh_of(const YamlValue& value, const FaceKind& kind) {
   YamlMap map(value);
   MeshShape mesh;
   const YamlValue points = map.require("points");
-  for (const YamlValue& p : points.items()) mesh.positions.emplace_back(p.vector());
+  read_vectors(points, Vectors::any, mesh.positions);
   if (mesh.positions.empty()) points.fail("a mesh needs points");
-  const YamlValue faces = map.require(key);
+  const YamlValue faces = map.require(kind.key);
   if (auto normals = map.find("normals")) {
-    for (const YamlValue& n : normals->items()) mesh.normals.emplace_back(n.direction());
+    read_vectors(*normals, Vectors::not_zero, mesh.normals);
     if (mesh.normals.size() != mesh.positions.size())
       value.fail(
           fmt::format("the mesh has {} points but {} normals", mesh.positions.size(), mesh.normals.size()));
@@ -111,28 +196,27 @@ std::vector<Shape> read_faces(const YamlValue& value, const char* key, size_t le
   const bool has_normals = !mesh.normals.empty();
   mesh.smoothing = read_smoothing(map, has_normals ? Smoothing::phong : Smoothing::flat);
   map.finish();
-  std::vector<FaceCorner> corners;
-  for (const YamlValue& face : faces.items()) {
-    corners.clear();
-    for (const YamlValue& corner : face.items()) {
-      const auto point =
-          static_cast<uint32_t>(corner.whole_number_in(0, static_cast<int>(mesh.positions.size()) - 1));
-      corners.push_back({point, has_normals ? point : ~0u});
-    }
-    if (corners.size() < least_corners || corners.size() > most_corners) face.fail(advice);
-    add_face(mesh, corners);
+  if (const auto list = faces.items_apart()) {
+    add_faces_apart(faces, *list, kind, mesh);
+  } else {
+    add_faces(faces, kind, mesh);
   }
   if (mesh.smoothing != Smoothing::flat && !has_normals) average_normals(mesh, value.stop());
   return {std::move(mesh)};
 }
 
 std::vector<Shape> read_triangles(const YamlValue& value) {
-  return read_faces(value, "triangles", 3, 3, "a triangle is three indices into `points`, counted from 0");
+  return read_mesh_of(value, {.key = "triangles",
+                              .least_corners = 3,
+                              .most_corners = 3,
+                              .advice = "a triangle is three indices into `points`, counted from 0"});
 }
 
 std::vector<Shape> read_polygons(const YamlValue& value) {
-  return read_faces(value, "faces", 3, limits::kPolygonPoints,
-                    "a face is three or more indices into `points`, counted from 0");
+  return read_mesh_of(value, {.key = "faces",
+                              .least_corners = 3,
+                              .most_corners = limits::kPolygonPoints,
+                              .advice = "a face is three or more indices into `points`, counted from 0"});
 }
 
 /// Corners of a solid's outline, of two coordinates each; more would take long to look through for crossings.

@@ -32,14 +32,25 @@ ArrayValues read_values(YamlMap& map, uint64_t most_cells) {
   if (array.size[0] > most_cells / array.size[1] / array.size[2])
     size.fail(fmt::format("the array has more cells than there is room for, {}", most_cells));
   const YamlValue values = map.require("values");
-  const std::vector<YamlValue> items = values.items();
-  if (items.size() != array.cells() && items.size() != 3 * array.cells())
+  const auto list = values.items_apart();
+  const std::vector<YamlValue> items = list ? std::vector<YamlValue>() : values.items();
+  const size_t count = list ? list->size() : items.size();
+  if (count != array.cells() && count != 3 * array.cells())
     values.fail(
         fmt::format("an array of {} × {} × {} needs {} values, or three times as many for red, green "
                     "and blue, not {}",
-                    array.size[0], array.size[1], array.size[2], array.cells(), items.size()));
-  array.channels = items.size() == array.cells() ? 1 : 3;
-  for (const YamlValue& item : items) array.values.push_back(static_cast<float>(item.number_in(0, 1)));
+                    array.size[0], array.size[1], array.size[2], array.cells(), count));
+  array.channels = count == array.cells() ? 1 : 3;
+  if (!list) {
+    for (const YamlValue& item : items) array.values.push_back(static_cast<float>(item.number_in(0, 1)));
+    return array;
+  }
+  array.values.resize(count);
+  values.take_all(*list, [&](size_t, size_t i, std::span<const double> numbers) {
+    if (list->is_nested() || !(numbers[0] >= 0 && numbers[0] <= 1))
+      values.fail("a number from 0 to 1 was expected");
+    array.values[i] = static_cast<float>(numbers[0]);
+  });
   return array;
 }
 

@@ -1,0 +1,21 @@
+#pragma once
+// Scenes from YAML texts: what load_yaml_scene does with a file's. Both throw Stopped.
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/description/scene_description.h"
+
+namespace rayfarm {
+
+/// Every value of the text is read as a YAML value. Throws InputError.
+SceneDescription read_yaml_whole(std::string_view text, const std::string& path,
+                                 const std::stop_token& stop = {}, ReadProgress* progress = nullptr);
+
+/// The same scene, but lists of numbers of `least_bytes` and more are read apart (yaml_outline.h). Nothing if
+/// the text has none, is none to outline or is wrong: read_yaml_whole tells where and why.
+std::optional<SceneDescription> read_yaml_outline(std::string_view text, const std::string& path,
+                                                  size_t least_bytes, const std::stop_token& stop = {},
+                                                  ReadProgress* progress = nullptr);
+
+}  // namespace rayfarm

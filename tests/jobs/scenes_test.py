@@ -1,0 +1,91 @@
+"""The scenes of scenes/hierarchies against what their sources state: counts of items, primitives, lights and clusters."""
+import re
+import subprocess
+import sys
+
+from rayfarm_job import SCENES, JobTest, main
+
+FOLDER = SCENES / "hierarchies"
+sys.path.insert(0, str(FOLDER))
+sys.dont_write_bytecode = True
+import shapes  # noqa: E402
+import write_scenes  # noqa: E402
+
+# Items (objects in the thesis), polygons, spheres, other quadrics, lights, --max-depth.
+STATED = {
+    # The thesis, Tables 4.3 and 4.4: 66 primitives in Image 2, 8 of them quadrics. One light is ours.
+    "beach_house": (14, 1658, 0, 0, 1, None),
+    "primitives": (19, 58, 7, 1, 1, None),
+    "plant": (12, 2708, 0, 0, 1, None),
+    # Weghorst, Hooper and Greenberg 1984, specifications below Tables II to VIII.
+    "pencils_1": (38, 1806, 0, 0, 1, 1),
+    "pencils_2": (38, 1806, 0, 0, 1, 3),
+    "pencils_3": (38, 1806, 0, 0, 3, 1),
+    "polygons": (21, 1980, 3, 0, 3, None),
+    "camera": (39, 1392, 1, 0, 1, None),
+    "office": (63, 2101, 8, 0, 5, None),
+    "pool_room": (38, 835, 13, 15, 5, None),
+}
+TABLE_4_3 = {
+    "beach_house": {"room": 14, "sky": 1, "grass": 1, "centre table": 70, "dish": 360, "sand": 2, "water": 3, "left table": 180,
+                    "right table": 180, "vase": 80, "glass": 360, "bowl": 260, "frames": 80, "title": 67},
+    "primitives": {"floor": 1, "sky": 1, **{f"sphere {k}": 1 for k in range(1, 8)}, **{f"box {k}": 6 for k in range(1, 8)},
+                   **{f"pyramid {k}": 5 for k in range(1, 4)}},
+    "plant": {**{f"leaf {k}": 294 for k in range(1, 9)}, "pot": 280, "dirt": 36, "stem": 36, "corner": 4},
+}
+
+
+class HierarchyScenes(JobTest):
+    def info(self, name):
+        told = self.run_alone("info", FOLDER / f"{name}.yaml")
+        self.assertEqual(told.code, 0, told.stderr)
+        return told.stdout
+
+    def test_generator_writes_the_files_that_are_kept(self):
+        written = self.folder / "new" / "scenes"
+        subprocess.run([sys.executable, FOLDER / "write_scenes.py", written], check=True)
+        self.assertEqual(sorted(p.name for p in written.iterdir()), sorted(p.name for p in FOLDER.glob("*.yaml")))
+        for path in written.iterdir():
+            self.assertEqual(path.read_bytes(), (FOLDER / path.name).read_bytes(), path.name)
+        in_the_way = self.write("file", "")
+        result = subprocess.run([sys.executable, FOLDER / "write_scenes.py", in_the_way], capture_output=True, text=True)
+        self.assertEqual((result.returncode, result.stderr), (1, f"can't write {in_the_way}: File exists\n"))
+
+    def test_counts_are_those_that_the_sources_state(self):
+        self.assertEqual(set(STATED), set(write_scenes.SCENES))
+        for name, (items, polygons, spheres, quadrics, lights, _) in STATED.items():
+            told = self.info(name)
+            self.assertIn(f"\n  polygons {polygons}, spheres {spheres}, quadrics {quadrics}, each copy counted\n", told, name)
+            self.assertRegex(told, rf"object nodes \d+, lights {lights}, ", name)
+            listed = [one for node in write_scenes.SCENES[name]()["scene"] for one in shapes.items(node)]
+            self.assertEqual((len(listed), len(set(listed))), (items, items), name)
+            leaves = re.findall(r"^    *(.+): \d+ \w+$", told.split("object tree\n")[1].split("memory")[0], re.M)
+            if "  …\n" in told:
+                listed = listed[:len(leaves)]
+            self.assertEqual(leaves, listed, name)
+
+    def test_objects_of_the_thesis_are_those_of_table_4_3(self):
+        # Table 4.5: the object hierarchies have 15, 20 and 13 nodes, a root and the objects.
+        for name, objects in TABLE_4_3.items():
+            told = self.info(name)
+            self.assertEqual({m[1]: int(m[2]) for m in re.finditer(r"^    (.+): (\d+) (?:polygon|sphere|quadric)s?$", told, re.M)}, objects)
+            self.assertIn(f"object nodes {len(objects) + 1},", told)
+
+    def test_pencils_are_nine_clusters_of_four(self):
+        # Table II, note 2: "Each pencil is grouped with its three closest neighbors, creating nine clusters."
+        for name in ("pencils_1", "pencils_2", "pencils_3"):
+            self.assertEqual(len(re.findall(r"    bundle \d \(4 children\)\n(?:      pencil \d+: 50 polygons\n){4}", self.info(name))), 9)
+
+    def test_loader_and_renderer_have_nothing_to_note(self):
+        for name, (*_, depth) in STATED.items():
+            checked = self.run_alone("check", FOLDER / f"{name}.yaml")
+            self.assertEqual((checked.code, checked.stderr.count("\n")), (0, 1), checked.stderr)
+            self.assertIn("no problems found", checked.stderr)
+            told = self.run_alone("render", FOLDER / f"{name}.yaml", "-o", self.folder / "a.png", "--size", "32x30",
+                                  *(["--max-depth", depth] if depth else []))
+            self.assertEqual(told.code, 0, told.stderr)
+            self.assertNotIn("rayfarm:", told.stderr)  # so begins all that is noted
+
+
+if __name__ == "__main__":
+    main()
