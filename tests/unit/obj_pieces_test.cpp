@@ -2,68 +2,27 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <numeric>
 #include <random>
 
-#include "common/description/formats/obj_mesh.h"
-#include "common/description/formats/obj_piece.h"
+#include "tests/unit/pieces.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
 namespace {
 
-struct Read {
-  MeshShape mesh;
-  std::vector<std::string> notes;
-  std::vector<std::string> materials;
-  std::string error;
-};
+using Read = test::ObjOutcome;
 
-Read read(const std::string& text, const std::vector<size_t>& borders,
-          Smoothing smoothing = Smoothing::phong) {
-  SceneDescription scene;
-  scene.materials.emplace_back("default");
-  Read result;
-  try {
-    result.mesh = read_obj_mesh(scene, text, test::write_temporary("pieces.obj", ""), 0, smoothing, borders);
-  } catch (const InputError& e) {
-    result.error = e.what();
-  }
-  result.notes = scene.notes.lines();
-  for (const MaterialDescription& m : scene.materials) result.materials.push_back(m.name);
-  return result;
+Read read(const std::string& text, const std::vector<size_t>& borders) {
+  return test::read_obj(text, test::write_temporary("pieces.obj", ""), borders);
 }
 
-void expect_same(const Read& a, const Read& b) {
-  EXPECT_EQ(a.error, b.error);
-  EXPECT_EQ(a.notes, b.notes);
-  EXPECT_EQ(a.materials, b.materials);
-  if (!a.error.empty()) return;
-  EXPECT_EQ(a.mesh.positions, b.mesh.positions);
-  EXPECT_EQ(a.mesh.normals, b.mesh.normals);
-  EXPECT_EQ(a.mesh.uvs, b.mesh.uvs);
-  EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
-  EXPECT_EQ(a.mesh.triangle_normals, b.mesh.triangle_normals);
-  EXPECT_EQ(a.mesh.triangle_uvs, b.mesh.triangle_uvs);
-  EXPECT_EQ(a.mesh.materials, b.mesh.materials);
-  EXPECT_EQ(a.mesh.polygons.sides, b.mesh.polygons.sides);
-  EXPECT_EQ(a.mesh.polygons.corners, b.mesh.polygons.corners);
-  EXPECT_EQ(a.mesh.polygons.normals, b.mesh.polygons.normals);
-  EXPECT_EQ(a.mesh.polygons.uvs, b.mesh.polygons.uvs);
-  EXPECT_EQ(a.mesh.polygons.materials, b.mesh.polygons.materials);
-}
-
-/// Every byte as a border, and all of them at once: a piece a line.
 void expect_same_however_cut(const std::string& text) {
-  const Read whole = read(text, {});
-  std::vector<size_t> all(text.size());
-  std::iota(all.begin(), all.end(), 0u);
-  expect_same(whole, read(text, all));
-  for (const size_t border : all) {
-    SCOPED_TRACE(border);
-    expect_same(whole, read(text, {border}));
-    if (testing::Test::HasFailure()) return;
-  }
+  test::expect_same_however_cut(text, read, [](const Read& a, const Read& b) {
+    EXPECT_EQ(a.error, b.error);
+    EXPECT_EQ(a.notes, b.notes);
+    EXPECT_EQ(a.materials, b.materials);
+    EXPECT_TRUE(test::is_same(a, b));
+  });
 }
 
 const std::string kAll =
