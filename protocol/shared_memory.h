@@ -16,7 +16,9 @@ bool shared_memory_seems_to_hold(uint64_t bytes);
 /// process with SIGBUS. False if they are not there.
 bool claim_shared_memory(std::byte* memory, size_t bytes);
 
-/// A process's own, to be given back by std::free. Throws std::bad_alloc.
+/// A process's own, to be given back by std::free. Throws std::bad_alloc. As allocate_large of common/memory,
+/// which protocol, below all rooms, may not include; large pages from one page on, for a process holds one
+/// such block and not many arrays.
 std::byte* allocate_pages(size_t bytes);
 
 }  // namespace rayfarm

@@ -101,7 +101,9 @@ class SahBuilder {
       }
     }
     size_t bin(const PrimitiveReference& r, size_t axis) const {
-      return static_cast<size_t>(static_cast<int>(((r.lo[axis] + r.hi[axis]) - origin[axis]) * scale[axis]));
+      // Not a number where coordinates are so large that there is no scale: then all fall into the first.
+      const float at = std::max(0.0f, ((r.lo[axis] + r.hi[axis]) - origin[axis]) * scale[axis]);
+      return static_cast<size_t>(static_cast<int>(at));
     }
   };
 

@@ -14,6 +14,11 @@ constexpr double rounding_bound(double magnitude) {
 /// The largest number in the computation that places a primitive in the world whose own largest is `local`.
 double magnitude_in_world(const InstancePose& place, double local);
 
+/// Where a ray in `direction` starts: just off the surface, on the side to which it goes.
+inline Vec3 ray_origin(const Vec3& p, const Vec3& geometric_normal, double offset, const Vec3& direction) {
+  return p + (glm::dot(geometric_normal, direction) >= 0 ? offset : -offset) * geometric_normal;
+}
+
 struct Surface {
   Vec3 p{0};                 ///< in the world
   Vec3 geometric_normal{0};  ///< unit, on the viewer's side
@@ -23,9 +28,8 @@ struct Surface {
   uint32_t material = 0;
   double offset = 0;  ///< bounds the rounding error of p; grows with the numbers that p was computed from
 
-  /// Where a ray in `direction` starts: just off the surface, on the side to which it goes.
   Vec3 ray_origin(const Vec3& direction) const {
-    return p + (glm::dot(geometric_normal, direction) >= 0 ? offset : -offset) * geometric_normal;
+    return rayfarm::ray_origin(p, geometric_normal, offset, direction);
   }
 };
 

@@ -1,7 +1,5 @@
 #include "common/lighting/surfaces.h"
 
-#include <bit>
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "common/lighting/surfaces.cpp"
 #include <hwy/foreach_target.h>
@@ -45,8 +43,8 @@ struct SomeLanes {
   size_t first;
   bool any(uint32_t bits) const { return lanes_from(bits, first) != 0; }
   HWY_INLINE Truth operator()(uint32_t bits) const { return truth_of(lanes_from(bits, first)); }
-  HWY_INLINE Real load(const double* column) const { return hn::Load(RealTag(), column + first); }
-  HWY_INLINE Real3 load(const VectorLanes& columns) const { return load3(columns, first); }
+  HWY_INLINE Real load(const double* lanes) const { return hn::Load(RealTag(), lanes + first); }
+  HWY_INLINE Real3 load(const VectorLanes& axes) const { return load3(axes, first); }
   HWY_INLINE Real3 normalized(const Real3& v, Truth wanted) const {
     return HWY_NAMESPACE::normalized(select(wanted, v, all(real(1))));  // others may hold anything
   }
@@ -223,10 +221,7 @@ uint32_t eval_surfaces(const Scene& scene, const Pose& pose, const RayPacket& ra
     if (!place.is_identity) read_place(place, i, in);
   }
   if (met != others) HWY_DYNAMIC_DISPATCH(finish_surfaces)(in, rays, surfaces);
-  for (; others; others &= others - 1) {
-    const auto i = static_cast<size_t>(std::countr_zero(others));
-    surfaces.set(i, eval_surface(scene, pose, rays[i], hits[i]));
-  }
+  for_each_lane(others, [&](size_t i) { surfaces.set(i, eval_surface(scene, pose, rays[i], hits[i])); });
   surfaces.front &= met;
   return met;
 }

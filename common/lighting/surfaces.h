@@ -16,10 +16,8 @@ struct Surfaces {
 
   bool is_front(size_t i) const { return front >> i & 1; }
   bool is_gouraud(size_t i) const { return gouraud >> i & 1; }
-  /// As Surface::ray_origin.
   Vec3 ray_origin(size_t i, const Vec3& direction) const {
-    const Vec3 normal = lane_of(geometric_normal, i);
-    return lane_of(p, i) + (glm::dot(normal, direction) >= 0 ? offset[i] : -offset[i]) * normal;
+    return rayfarm::ray_origin(lane_of(p, i), lane_of(geometric_normal, i), offset[i], direction);
   }
   Surface operator[](size_t i) const {
     return {lane_of(p, i),

@@ -27,7 +27,7 @@ using Real = hn::Vec<RealTag>;
 using Truth = hn::Mask<RealTag>;
 constexpr size_t kLanes = hn::MaxLanes(RealTag());
 /// A number of each of a packet's eight rays, in memory.
-using RealColumn = double[8];
+using RealLanes = double[8];
 
 HWY_INLINE Real real(double x) {
   return hn::Set(RealTag(), x);
@@ -107,23 +107,23 @@ HWY_INLINE Real3 cross(const Real3& a, const Real3& b) {
 HWY_INLINE Real max_magnitude(const Real3& v) {
   return hn::Max(hn::Max(hn::Abs(v.x), hn::Abs(v.y)), hn::Abs(v.z));
 }
-/// The lanes from `lane` on of three columns.
-HWY_INLINE Real3 load3(const RealColumn* columns, size_t lane) {
+/// Those from `lane` on.
+HWY_INLINE Real3 load3(const RealLanes* axes, size_t lane) {
   const RealTag d;
-  return {hn::Load(d, columns[0] + lane), hn::Load(d, columns[1] + lane), hn::Load(d, columns[2] + lane)};
+  return {hn::Load(d, axes[0] + lane), hn::Load(d, axes[1] + lane), hn::Load(d, axes[2] + lane)};
 }
-HWY_INLINE void store3(const Real3& v, RealColumn* columns, size_t lane) {
+HWY_INLINE void store3(const Real3& v, RealLanes* axes, size_t lane) {
   const RealTag d;
-  hn::Store(v.x, d, columns[0] + lane);
-  hn::Store(v.y, d, columns[1] + lane);
-  hn::Store(v.z, d, columns[2] + lane);
+  hn::Store(v.x, d, axes[0] + lane);
+  hn::Store(v.y, d, axes[1] + lane);
+  hn::Store(v.z, d, axes[2] + lane);
 }
 
 /// The scalar function, a lane after the other: for what hardly ever happens.
-HWY_NOINLINE inline void normalize_one_by_one(RealColumn* columns) {
+HWY_NOINLINE inline void normalize_one_by_one(RealLanes* axes) {
   for (size_t i = 0; i < kLanes; ++i) {
-    const Vec3 v = normalized(Vec3(columns[0][i], columns[1][i], columns[2][i]));
-    for (int axis = 0; axis < 3; ++axis) columns[axis][i] = v[axis];
+    const Vec3 v = normalized(Vec3(axes[0][i], axes[1][i], axes[2][i]));
+    for (int axis = 0; axis < 3; ++axis) axes[axis][i] = v[axis];
   }
 }
 
@@ -131,10 +131,10 @@ HWY_INLINE Real3 normalized(const Real3& v) {
   const Real square = dot(v, v);
   const Truth is_safe = hn::And(square > real(1e-280), square < real(1e280));
   if (HWY_LIKELY(hn::AllTrue(RealTag(), is_safe))) return (real(1) / hn::Sqrt(square)) * v;
-  HWY_ALIGN RealColumn columns[3];
-  store3(v, columns, 0);
-  normalize_one_by_one(columns);
-  return load3(columns, 0);
+  HWY_ALIGN RealLanes axes[3];
+  store3(v, axes, 0);
+  normalize_one_by_one(axes);
+  return load3(axes, 0);
 }
 
 struct RealSineCosine {

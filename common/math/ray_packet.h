@@ -1,5 +1,6 @@
 #pragma once
 // Up to eight rays side by side: structure of arrays, as vectors of every SIMD target load them.
+#include <bit>
 #include <span>
 
 #include "common/math/ray.h"
@@ -19,6 +20,13 @@ inline void set_lane(VectorLanes& lanes, size_t i, const Vec3& v) {
 }
 inline Vec3 lane_of(const VectorLanes& lanes, size_t i) {
   return {lanes[0][i], lanes[1][i], lanes[2][i]};
+}
+
+/// Calls visit(lane) for each lane of `bits`, from the lowest on. Inlined, so that what it calls may be
+/// compiled for one SIMD target.
+template <typename Visitor>
+[[gnu::always_inline]] inline void for_each_lane(uint32_t bits, Visitor visit) {
+  for (; bits != 0; bits &= bits - 1) visit(static_cast<size_t>(std::countr_zero(bits)));
 }
 
 /// Rays are written where they are traced: a vector loaded from a copy made number by number would have to

@@ -10,16 +10,15 @@
 
 #include "common/compile/compile.h"
 #include "common/description/formats/ies_loader.h"
-#include "common/description/formats/nff_scene.h"
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/formats/yaml_scene.h"
 #include "common/description/part_file.h"
-#include "common/description/primitive_counts.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
 #include "common/scene/settings_codec.h"
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
+#include "tests/read_in_pieces.h"
 #include "tests/render_little.h"
 #include "tests/scene_text.h"
 
@@ -80,21 +79,27 @@ constexpr const char* kNff =
     "f 1 0.5 0.2 0.8 0.3 20 0 1\np 4\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\ns 0 0 1 0.5\nc\n0 0 0 1\n0 0 1 0.2\n"
     "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
 
-/// Read in many pieces a file is what it is in one.
+/// However it is cut into pieces a file is what it is in one, and so is its error: a piece a line or record,
+/// and a few pieces.
+template <typename Read, typename IsSame>
+void cut(const std::string& bytes, Read read, IsSame is_same) {
+  std::vector<size_t> all(bytes.size());
+  std::iota(all.begin(), all.end(), size_t{0});
+  const std::vector<size_t> thirds{bytes.size() / 3, 2 * bytes.size() / 3};
+  const auto whole = read(std::span<const size_t>());
+  for (const std::vector<size_t>& borders : {all, thirds})
+    if (!is_same(whole, read(std::span<const size_t>(borders))))
+      throw std::logic_error("cut into pieces the file is another");
+}
 void cut_nff(const std::string& bytes) {
-  std::vector<size_t> borders(bytes.size());
-  std::iota(borders.begin(), borders.end(), size_t{0});
-  const auto read = [&](std::span<const size_t> cuts) {
-    try {
-      const SceneDescription scene = read_nff_scene(bytes, "in.nff", cuts);
-      const PrimitiveCounts counts = count_primitives(scene, scene.objects[scene.root]);
-      return fmt::format("{} {} {} {} {}", counts.polygons, counts.spheres, counts.quadrics,
-                         scene.materials.size(), scene.notes.lines().size());
-    } catch (const InputError& e) {
-      return std::string(e.what());
-    }
-  };
-  if (read({}) != read(borders)) throw std::logic_error("cut into pieces the file is another");
+  cut(
+      bytes, [&](std::span<const size_t> borders) { return test::read_nff(bytes, "in.nff", borders); },
+      [](const auto& a, const auto& b) { return a == b; });
+}
+void cut_obj(const std::string& bytes, const std::string& path) {
+  cut(
+      bytes, [&](std::span<const size_t> borders) { return test::read_obj(bytes, path, borders); },
+      [](const auto& a, const auto& b) { return test::is_same(a, b); });
 }
 
 /// With its lists of numbers read apart a file is what it is as a whole.
@@ -320,7 +325,7 @@ std::vector<Target> make_targets(const std::string& path) {
       {"obj",
        [folder](const std::string& bytes) {
          folder.write("a.mtl", kMtl);
-         folder.write("a.obj", bytes);
+         cut_obj(bytes, folder.write("a.obj", bytes));
          render_file(folder.write("obj.yaml", kYamlMesh));
        },
        {kObj},

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import time
 
-from rayfarm_job import ENVIRONMENT, Job, JobTest, RAYFARM, SCENES, main
+from rayfarm_job import ENVIRONMENT, Job, JobTest, JobTestAlone, RAYFARM, SCENES, main
 
 SCENE = SCENES / "primitives.yaml"
 # Work for three nodes, and processors so slow that it takes two seconds and more on any machine: enough to be hurt in
@@ -60,22 +60,6 @@ class LostNode(JobTest):
         _, result = self.expect_whole_frame(signal.SIGSTOP, "--assign", "interleaved", slow=SLOWER)
         self.assertIn("is lost: silent for 3 s", result.stderr)
 
-    def late_loss(self, number):
-        # So late that the picture is whole long before the silence would be noticed.
-        job = Job(4, "render", SCENE, "-o", self.folder / "late.png", "--stats", self.folder / "late.json", "--progress", "none",
-                  "-v", "--size", "320x240", "--samples", "9")
-        job.wait_until_it_says("tracing begins")
-        job.hurt(3, number)
-        result = job.wait(40)
-        self.assertEqual(result.code, 0, result.stderr)
-        self.assertEqual(json.loads((self.folder / "late.json").read_text())["nodes_lost"], [3], result.stderr)
-
-    def test_killed_late(self):
-        self.late_loss(signal.SIGKILL)
-
-    def test_hung_late(self):
-        self.late_loss(signal.SIGSTOP)
-
     def test_killed_while_returning_large_blocks(self):
         # Long messages are handed over in the middle of a kill at many moments.
         for delay in (0.2, 0.5, 0.9):
@@ -94,6 +78,24 @@ class LostNode(JobTest):
         self.assertEqual(list(self.folder.glob("*.png")), [])
 
 
+class LostLate(JobTestAlone):
+    def late_loss(self, number):
+        # So late that the picture is whole long before the silence would be noticed.
+        job = Job(4, "render", SCENE, "-o", self.folder / "late.png", "--stats", self.folder / "late.json", "--progress", "none",
+                  "-v", "--size", "320x240", "--samples", "9")
+        job.wait_until_it_says("tracing begins")
+        job.hurt(3, number)
+        result = job.wait(40)
+        self.assertEqual(result.code, 0, result.stderr)
+        self.assertEqual(json.loads((self.folder / "late.json").read_text())["nodes_lost"], [3], result.stderr)
+
+    def test_killed_late(self):
+        self.late_loss(signal.SIGKILL)
+
+    def test_hung_late(self):
+        self.late_loss(signal.SIGSTOP)
+
+
 def write_big_scene(test, rows=420):
     with open(test.folder / "big.obj", "w") as out:
         for i in range(rows):
@@ -106,7 +108,7 @@ def write_big_scene(test, rows=420):
     return test.write("big.yaml", "view: {location: [0, 50, 0], look_at: [99, 0, 99]}\nscene: [{mesh: {file: big.obj}}]\n")
 
 
-class LostWhileLoading(JobTest):
+class LostWhileLoading(JobTestAlone):
     def test_killed_while_loading(self):
         scene = write_big_scene(self, 1300)  # whose loading takes longer than the longest delay
         for delay in (0.0, 0.3, 0.6):
@@ -267,7 +269,7 @@ class Stall(JobTest):
         self.assertNotIn("lost", result.stderr)
 
 
-class Interrupted(JobTest):
+class Interrupted(JobTestAlone):
     def interrupt(self, number, *command):
         process = subprocess.Popen([*command, RAYFARM, "render", str(SCENE), "-o", str(self.folder / "f.####.png"), "--frames",
                                     "1-50", "--size", "320x240", "--samples", "16", "--progress", "none"],
@@ -327,7 +329,7 @@ class Interrupted(JobTest):
         self.assertNotEqual(self.interrupt(signal.SIGINT, "mpirun", "-n", "3")[0], 0)
 
 
-class Waiting(JobTest):
+class Waiting(JobTestAlone):
     def cpu_seconds(self, pid):
         fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -1,7 +1,7 @@
 """What the processes of a job hold in memory."""
 import pathlib
 
-from rayfarm_job import Job, JobTest, SCENES, main
+from rayfarm_job import Job, JobTestAlone, SCENES, main
 
 MOST_PRIVATE_KB = 20 * 1024  # beside the scene block, of which a machine holds one
 
@@ -12,7 +12,7 @@ def private_kb(pid):
     return sum(int(line.split()[1]) for line in lines if line.startswith("Private_"))
 
 
-class Node(JobTest):
+class Node(JobTestAlone):
     def test_holds_little_of_its_own(self):
         job = Job(4, "render", SCENES / "primitives.yaml", "-o", self.folder / "m.png", "--progress", "none", "-v",
                   "--size", "640x480", "--samples", "16")

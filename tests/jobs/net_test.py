@@ -7,7 +7,7 @@ import signal
 import subprocess
 import time
 
-from rayfarm_job import RAYFARM, SCENES, SOURCE, JobTest, main
+from rayfarm_job import RAYFARM, SCENES, SOURCE, JobTest, JobTestAlone, main
 
 CLUSTER = SOURCE / "deploy/virtual-cluster"
 SCENE = SCENES / "primitives.yaml"
@@ -21,7 +21,7 @@ def spaces():
     return [line.split()[0] for line in run("ip", "netns", "list").stdout.splitlines() if line.startswith("rf")]
 
 
-class Emulated(JobTest):
+class Emulated(JobTestAlone):
     def local(self, nodes, *arguments):
         stats = self.folder / "emulated.json"
         result = run(RAYFARM, "render", SCENE, "-o", self.folder / "emulated.png", "--size", "96x72", "--local-nodes", nodes,
@@ -167,7 +167,7 @@ class CommandLine(JobTest):
             self.assertIn(says, result.stderr)
 
 
-class VirtualCluster(JobTest):
+class VirtualCluster(JobTestAlone):
     def setUp(self):
         super().setUp()
         if os.geteuid() != 0 or not shutil.which("ip") or not shutil.which("tc"):

@@ -100,12 +100,12 @@ void compare(const std::string& scene, const RenderSettings& settings, bool has_
       const Highlights highlights{n % 2 ? Highlights::Shape::phong : Highlights::Shape::torrance_sparrow,
                                   has_reflected_rays};
       ClassicalSurfaces surfaces(context, rays, hits.data());
-      for_each_ray(surfaces.met,
-                   [&](size_t i) { surfaces.begin(context, i, 0, streams[i].id, streams[i].number); });
+      for_each_lane(surfaces.met,
+                    [&](size_t i) { surfaces.begin(context, i, 0, streams[i].id, streams[i].number); });
       RayCounts counts;
       add_direct_light(context, highlights, surfaces, counts);
       uint64_t shadow_rays = 0;
-      for_each_ray(surfaces.met, [&](size_t i) {
+      for_each_lane(surfaces.met, [&](size_t i) {
         const DirectTerms one =
             reference(context, highlights, eval_surface(compiled.scene, pose, rays[i], hits[i]),
                       *surfaces.materials[i], rays.direction(i), streams[i], shadow_rays);

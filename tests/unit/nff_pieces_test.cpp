@@ -1,79 +1,18 @@
 // NFF files are read in pieces by all cores; the scene, the notes and the errors are those of one piece.
-#include <numeric>
-
-#include "common/description/formats/nff_scene.h"
+#include "tests/unit/pieces.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
 namespace {
 
-std::string text_of(const Vec3& v) {
-  return fmt::format("({} {} {})", v.x, v.y, v.z);
-}
+using test::primitives_of;
 
-/// Each primitive as a line, each triangle of a mesh as one: where meshes end does not count.
-std::vector<std::string> primitives_of(const SceneDescription& scene) {
-  std::vector<std::string> lines;
-  for (const PrimitiveDescription& p : scene.objects.at(scene.root).primitives) {
-    const std::string material = fmt::format("of {}: ", p.material);
-    if (const auto* mesh = std::get_if<MeshShape>(&p.shape)) {
-      EXPECT_TRUE(mesh->polygons.sides.empty() && mesh->normals.empty() && mesh->materials.empty());
-      for (const glm::uvec3& t : mesh->triangles) {
-        lines.push_back(material + "triangle");
-        for (int k = 0; k < 3; ++k) lines.back() += text_of(Vec3(mesh->positions.at(t[k])));
-      }
-      continue;
-    }
-    lines.push_back(material + fmt::format("{}:{} ", p.place.line, p.place.column));
-    if (const auto* s = std::get_if<SphereShape>(&p.shape))
-      lines.back() += "sphere" + text_of(s->center) + fmt::format("{}", s->radius);
-    if (const auto* c = std::get_if<ConeShape>(&p.shape))
-      lines.back() +=
-          "cone" + text_of(c->base) + text_of(c->apex) + fmt::format("{} {}", c->base_radius, c->apex_radius);
-    if (const auto* polygon = std::get_if<PolygonShape>(&p.shape)) {
-      lines.back() += "polygon";
-      for (const Vec3& v : polygon->points) lines.back() += text_of(v);
-      for (const Vec3& v : polygon->normals) lines.back() += text_of(v);
-    }
-  }
-  return lines;
-}
-
-std::string text_of(const ViewDescription& view) {
-  return text_of(Vec3(view.location.values[0])) + text_of(Vec3(view.look_at->values[0])) +
-         text_of(Vec3(view.up.values[0])) +
-         fmt::format("{} {} {}", view.field_of_view.values[0].x, view.size_px()[0], view.size_px()[1]);
-}
-
-/// All that a file becomes; its error alone if it has one.
 std::vector<std::string> read(const std::string& text, const std::vector<size_t>& borders) {
-  try {
-    const SceneDescription scene = read_nff_scene(text, "pieces.nff", borders);
-    std::vector<std::string> all = primitives_of(scene);
-    all.push_back(text_of(scene.view) + text_of(scene.background) + text_of(scene.ambient));
-    for (const MaterialDescription& m : scene.materials)
-      all.push_back(
-          fmt::format("{} {} {} {} {} {} ", m.name, m.diffuse, m.specular, m.shininess, m.transmit, m.index) +
-          text_of(m.color));
-    for (const Light& light : scene.lights) all.push_back(text_of(light.position) + text_of(light.color));
-    for (const std::string& note : scene.notes.lines()) all.push_back(note);
-    return all;
-  } catch (const InputError& e) {
-    return {e.what()};
-  }
+  return test::read_nff(text, "pieces.nff", borders);
 }
 
-/// Every byte as a border, and all of them at once: a piece a record.
 void expect_same_however_cut(const std::string& text) {
-  const std::vector<std::string> whole = read(text, {});
-  std::vector<size_t> all(text.size());
-  std::iota(all.begin(), all.end(), 0u);
-  EXPECT_EQ(whole, read(text, all));
-  for (const size_t border : all) {
-    SCOPED_TRACE(border);
-    EXPECT_EQ(whole, read(text, {border}));
-    if (testing::Test::HasFailure()) return;
-  }
+  test::expect_same_however_cut(text, read, [](const auto& a, const auto& b) { EXPECT_EQ(a, b); });
 }
 
 const std::string kView = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 9 9\n";

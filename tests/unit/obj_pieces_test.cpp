@@ -1,64 +1,28 @@
 // OBJ files are read in pieces by all cores; the mesh, the notes and the errors are those of one piece.
-#include <numeric>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <random>
 
-#include "common/description/formats/obj_mesh.h"
+#include "tests/unit/pieces.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
 namespace {
 
-struct Read {
-  MeshShape mesh;
-  std::vector<std::string> notes;
-  std::vector<std::string> materials;
-  std::string error;
-};
+using Read = test::ObjOutcome;
 
-Read read(const std::string& text, const std::vector<size_t>& borders,
-          Smoothing smoothing = Smoothing::phong) {
-  SceneDescription scene;
-  scene.materials.emplace_back("default");
-  Read result;
-  try {
-    result.mesh = read_obj_mesh(scene, text, test::write_temporary("pieces.obj", ""), 0, smoothing, borders);
-  } catch (const InputError& e) {
-    result.error = e.what();
-  }
-  result.notes = scene.notes.lines();
-  for (const MaterialDescription& m : scene.materials) result.materials.push_back(m.name);
-  return result;
+Read read(const std::string& text, const std::vector<size_t>& borders) {
+  return test::read_obj(text, test::write_temporary("pieces.obj", ""), borders);
 }
 
-void expect_same(const Read& a, const Read& b) {
-  EXPECT_EQ(a.error, b.error);
-  EXPECT_EQ(a.notes, b.notes);
-  EXPECT_EQ(a.materials, b.materials);
-  if (!a.error.empty()) return;
-  EXPECT_EQ(a.mesh.positions, b.mesh.positions);
-  EXPECT_EQ(a.mesh.normals, b.mesh.normals);
-  EXPECT_EQ(a.mesh.uvs, b.mesh.uvs);
-  EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
-  EXPECT_EQ(a.mesh.triangle_normals, b.mesh.triangle_normals);
-  EXPECT_EQ(a.mesh.triangle_uvs, b.mesh.triangle_uvs);
-  EXPECT_EQ(a.mesh.materials, b.mesh.materials);
-  EXPECT_EQ(a.mesh.polygons.sides, b.mesh.polygons.sides);
-  EXPECT_EQ(a.mesh.polygons.corners, b.mesh.polygons.corners);
-  EXPECT_EQ(a.mesh.polygons.normals, b.mesh.polygons.normals);
-  EXPECT_EQ(a.mesh.polygons.uvs, b.mesh.polygons.uvs);
-  EXPECT_EQ(a.mesh.polygons.materials, b.mesh.polygons.materials);
-}
-
-/// Every byte as a border, and all of them at once: a piece a line.
 void expect_same_however_cut(const std::string& text) {
-  const Read whole = read(text, {});
-  std::vector<size_t> all(text.size());
-  std::iota(all.begin(), all.end(), 0u);
-  expect_same(whole, read(text, all));
-  for (const size_t border : all) {
-    SCOPED_TRACE(border);
-    expect_same(whole, read(text, {border}));
-    if (testing::Test::HasFailure()) return;
-  }
+  test::expect_same_however_cut(text, read, [](const Read& a, const Read& b) {
+    EXPECT_EQ(a.error, b.error);
+    EXPECT_EQ(a.notes, b.notes);
+    EXPECT_EQ(a.materials, b.materials);
+    EXPECT_TRUE(test::is_same(a, b));
+  });
 }
 
 const std::string kAll =
@@ -92,7 +56,9 @@ TEST(ObjPieces, WhatIsWrongIsFoundAtItsLineHoweverTheFileIsCut) {
            {"v 1 2 2e15\n" + good, "vertex 4 is not finite or beyond 1e+15"},
            {good + "f 1 2 7\nf 1 2 9\n",
             "pieces.obj:9: the face names vertex 7 and normal 0, but the file has 6"},
-           {"f 1 2 -4\n", "pieces.obj:5: the face names vertex 0"},
+           {"f 1 2 -4\n", "pieces.obj:5: the face counts back beyond the file's first vertex"},
+           {"vn 0 0 1\nf 1 2 3\nf 1//-1 2//-1 3//-2\n", "pieces.obj:7: the face counts back beyond"},
+           {"vt 0 0\nvt 0 1\nf 1/-1 2/-2 3/-3\n", "pieces.obj:7: the face counts back beyond"},
            {"mtllib wrong.mtl\nv y\n", "wrong.mtl:2:"},
            {"v y\nmtllib wrong.mtl\n", "pieces.obj:5:3:"},
            {"\nmtllib missing.mtl\nv y\n", "pieces.obj:6:8:"},
@@ -145,6 +111,76 @@ TEST(ObjPieces, NumbersAreRoundedCorrectly) {
   const Read small = read("v 1e-05 0.1 +16777219\nv .3333333333333333 1e-45 1.\nf 1 2 1\n", {});
   EXPECT_EQ(small.mesh.positions[0], glm::vec3(1e-05f, 0.1f, 16777220.0f));
   EXPECT_EQ(small.mesh.positions[1], glm::vec3(1.0f / 3, std::numeric_limits<float>::denorm_min(), 1));
+}
+
+/// Numbers halfway between two floats, and next to it by less than a double tells apart, among them those of
+/// few bits (below 1.2e-38), of 0 and the largest float.
+TEST(ObjPieces, NumbersNextToHalfwayAreRoundedAsTheLibraryDoes) {
+  std::mt19937 random(1);
+  std::vector<std::string> words{"1e-400", "-1e-400", "+0.0001e-9999999999999999999",
+                                 "3.4028235677973366e38"};
+  for (uint32_t i = 0; i < 34'000; ++i) {
+    // Every eighth is small, for all others are so too seldom.
+    const auto bits = static_cast<uint32_t>(random() % (i % 8 == 0 ? 0x00a00000u : 0x7f7fffffu));
+    const double below = std::bit_cast<float>(bits), above = std::bit_cast<float>(bits + 1);
+    std::array<char, 256> exact{};
+    std::snprintf(exact.data(), exact.size(), "%s%.170e", random() % 2 ? "-" : "", (below + above) / 2);
+    const std::string tie = exact.data();
+    const size_t e = tie.find('e'), last = tie.find_last_not_of("0.", e - 1);
+    words.push_back(tie);
+    std::string more = tie, less = tie;
+    more[e - 1] = '1';
+    --less[last];  // the last digit that is not 0: nines take its place behind it
+    for (size_t at = last + 1; at < e; ++at)
+      if (less[at] == '0') less[at] = '9';
+    words.push_back(more);
+    words.push_back(less);
+  }
+  while (words.size() % 3 != 0) words.emplace_back("0.5");
+  std::string text;
+  std::vector<glm::vec3> expected;
+  for (size_t i = 0; i < words.size(); i += 3) {
+    text += "vn " + words[i] + " " + words[i + 1] + " " + words[i + 2] + "\n";
+    const auto value = [&](size_t n) {
+      const float v = std::strtof(words[n].c_str(), nullptr);
+      return std::isfinite(v) ? v : 0.5f;
+    };
+    expected.emplace_back(value(i), value(i + 1), value(i + 2));
+  }
+  // What is rounded to infinity is an error.
+  for (const std::string& word : words)
+    if (!std::isfinite(std::strtof(word.c_str(), nullptr))) {
+      EXPECT_NE(read("vn 0 0 " + word + "\n", {}).error.find("beyond what a mesh holds"), std::string::npos)
+          << word;
+      for (size_t at = 0; (at = text.find(" " + word, at)) != std::string::npos;)
+        text.replace(at, word.size() + 1, " 0.5");
+    }
+  ObjPiece piece;
+  read_obj_piece(text, "hard.obj", 0, {}, piece);
+  ASSERT_EQ(piece.normals.size(), expected.size());
+  for (size_t i = 0; i < expected.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(std::bit_cast<uint32_t>(piece.normals[i][axis]), std::bit_cast<uint32_t>(expected[i][axis]))
+          << words[3 * i + static_cast<size_t>(axis)];
+}
+
+TEST(ObjPieces, NumbersThatNoFloatHoldsAreZeroOrAnError) {
+  const Read small = read("v 1e-400 -1e-46 0.00001e-99999999999\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", {});
+  EXPECT_EQ(small.error, "");
+  EXPECT_EQ(small.mesh.positions[0], glm::vec3(0));
+  for (const char* large : {"1e400", "-1e39", "3.40282356779733662e38", "100000e99999999999", "inf", "nan"})
+    EXPECT_NE(read(std::string("v 0 0 ") + large + "\n", {}).error.find("pieces.obj:1:7: "),
+              std::string::npos)
+        << large;
+}
+
+TEST(ObjPieces, LibrariesAreNamedBetweenSpacesAndTabs) {
+  test::write_temporary("tab_a.mtl", "newmtl a\n");
+  test::write_temporary("tab_b.mtl", "newmtl b\n");
+  const Read both =
+      read("mtllib tab_a.mtl\t \ttab_b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl b\nf 1 2 3\n", {});
+  EXPECT_EQ(both.error, "");
+  EXPECT_EQ(both.materials.size(), 3u);
 }
 
 }  // namespace

@@ -97,7 +97,8 @@ class MeshJoiner {
   static void make_absolute(ObjPiece& piece, ObjPiece::Part part, size_t before) {
     for (const uint32_t corner : piece.relative[part]) {
       int& index = piece.corners[part][corner];
-      index = static_cast<int>(index + static_cast<int64_t>(before));
+      const int64_t absolute = index + static_cast<int64_t>(before);
+      index = absolute < 0 ? ObjPiece::kBeforeFirst : static_cast<int>(absolute);
     }
   }
 
@@ -131,6 +132,8 @@ class MeshJoiner {
       for (size_t corner = first; corner < first + sides; ++corner) {
         const int v = index(ObjPiece::position, corner), n = index(ObjPiece::normal, corner),
                   uv = index(ObjPiece::uv, corner);
+        if (v < 0 || n == ObjPiece::kBeforeFirst || uv == ObjPiece::kBeforeFirst)
+          fail("the face counts back beyond the file's first vertex, texture coordinate or normal");
         if (!exists(v, all.position) || (n >= 0 && !exists(n, all.normal)))
           fail(fmt::format(
               "the face names vertex {} and normal {}, but the file has {} vertices and {} normals", v + 1,

@@ -55,7 +55,7 @@ class PieceReader {
   size_t read_numbers(size_t least, std::array<float, 3>& kept) {
     size_t count = 0;
     for (; count < least || records_.has_number(); ++count) {
-      const auto number = static_cast<float>(records_.number());
+      const float number = records_.float_number();
       if (!std::isfinite(number)) records_.fail("the number is beyond what a mesh holds (3.4e38)");
       if (count < 3) kept[count] = number;
     }

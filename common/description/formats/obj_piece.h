@@ -15,6 +15,7 @@ struct ObjPiece {
   /// What corners name.
   enum Part { position, uv, normal };
   static constexpr int kNothing = -1;
+  static constexpr int kBeforeFirst = -2;  ///< counted back beyond the file's beginning
 
   LargeVector<glm::vec3> positions, normals;
   LargeVector<glm::vec2> uvs;

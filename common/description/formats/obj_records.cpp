@@ -62,7 +62,7 @@ void ObjRecords::read_libraries(const ObjPiece::Setting& setting) {
     names.push_back(all);
   } else {
     for (size_t begin = 0; begin < all.size();) {
-      const size_t end = std::min(all.find(' ', begin), all.size());
+      const size_t end = std::min(all.find_first_of(" \t", begin), all.size());
       if (end > begin) names.push_back(all.substr(begin, end - begin));
       begin = end + 1;
     }

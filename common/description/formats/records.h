@@ -9,8 +9,8 @@
 
 namespace rayfarm {
 
-/// The number that a whole word is, perhaps with a plus before it; nothing if it is none. Rounded correctly;
-/// may be infinite.
+/// The number that a whole word is, perhaps with a plus before it; nothing if it is none, or too large for a
+/// double. Rounded correctly, the smallest to 0; may be infinite if the word says so.
 std::optional<double> parse_number(std::string_view word);
 
 /// A walk through the words of a text, line by line. Lines end in a line feed, a carriage return or both.
@@ -31,6 +31,7 @@ class Records {
   std::string_view peek();                     ///< the same, without taking it
   std::string_view rest();                     ///< of the line, without the space around it
   double number();                             ///< the next word; throws InputError if it is no finite number
+  float float_number();                        ///< the same as the nearest float; beyond all: infinite
   bool has_number();                           ///< true if the next word begins as a number does
 
   SourcePlace place() const { return {path_, line_, column_}; }  ///< of the word taken last

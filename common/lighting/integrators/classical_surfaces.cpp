@@ -12,6 +12,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "common/lighting/surface-inl.h"
 #include "common/math/portable_pow-inl.h"
 
 #ifndef RAYFARM_COMMON_LIGHTING_INTEGRATORS_CLASSICAL_SURFACES_CPP_
@@ -62,12 +63,12 @@ uint32_t face_light(const Surfaces& at, Incoming& in) {
   const RealTag d;
   uint32_t facing = 0;
   for (size_t lane = 0; lane < kMostPacketRays; lane += kLanes) {
-    const Real3 to_light = load3(in.to_light, lane), normal = load3(at.geometric_normal, lane);
-    const Real cosine = dot(load3(at.shading_normal, lane), to_light), offset = hn::Load(d, at.offset + lane);
+    const Real3 to_light = load3(in.to_light, lane);
+    const Real cosine = dot(load3(at.shading_normal, lane), to_light);
     hn::Store(cosine, d, in.cosine_times_distance + lane);
     facing |= bits_of(cosine > hn::Zero(d)) << lane;
-    const Truth is_outside = dot(normal, to_light) >= hn::Zero(d);
-    const Real3 origin = load3(at.p, lane) + select(is_outside, offset, hn::Neg(offset)) * normal;
+    const Real3 origin = ray_origin(load3(at.p, lane), load3(at.geometric_normal, lane),
+                                    hn::Load(d, at.offset + lane), to_light);
     store3(origin, in.shadow_rays.origins, lane);
     store3(load3(in.target, lane) - origin, in.shadow_rays.directions, lane);
     hn::Store(real(1), d, in.shadow_rays.t_max + lane);
@@ -133,7 +134,7 @@ void send_light(const FrameContext& context, uint32_t number, uint32_t wanted, c
     HWY_DYNAMIC_DISPATCH(come_from_afar)
     (s.at, sample.to_light, context.scene.head().far_away, sample.incident / std::numbers::pi, in);
   } else {
-    for_each_ray(wanted, [&](size_t i) {
+    for_each_lane(wanted, [&](size_t i) {
       const LightSample sample = sample_light(context.scene, context.pose, light, lane_of(s.at.p, i),
                                               light_point(context, s, i, number));
       set_lane(in.target, i, sample.target);
@@ -147,7 +148,7 @@ void send_light(const FrameContext& context, uint32_t number, uint32_t wanted, c
 uint32_t lit_through_glass(const FrameContext& context, const ClassicalSurfaces& surfaces, uint32_t facing,
                            uint32_t blocked, Incoming& in) {
   uint32_t lit = facing;
-  for_each_ray(facing, [&](size_t i) {
+  for_each_lane(facing, [&](size_t i) {
     const Color left = light_through_glass(context, in.shadow_rays[i], blocked >> i & 1,
                                            surfaces.media[i] ? *surfaces.media[i] : Media());
     if (left == Color(0)) lit &= ~(1u << i);
@@ -157,7 +158,7 @@ uint32_t lit_through_glass(const FrameContext& context, const ClassicalSurfaces&
 }
 
 void add_facets(const Incoming& in, uint32_t highlighted, ClassicalSurfaces& surfaces) {
-  for_each_ray(highlighted, [&](size_t i) {
+  for_each_lane(highlighted, [&](size_t i) {
     const Vec3 to_light = lane_of(in.to_light, i);
     surfaces.add_specular(i, facet_highlight(*surfaces.materials[i], lane_of(surfaces.at.shading_normal, i),
                                              to_light / glm::length(to_light), -surfaces.direction(i)) *
@@ -169,7 +170,7 @@ void add_facets(const Incoming& in, uint32_t highlighted, ClassicalSurfaces& sur
 template <typename Condition>
 uint32_t where(uint32_t among, Condition condition) {
   uint32_t bits = 0;
-  for_each_ray(among, [&](size_t i) { bits |= static_cast<uint32_t>(condition(i)) << i; });
+  for_each_lane(among, [&](size_t i) { bits |= static_cast<uint32_t>(condition(i)) << i; });
   return bits;
 }
 
@@ -214,8 +215,8 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     HWY_DYNAMIC_DISPATCH(add_lit)(in, lit, has_facets ? 0 : lit & highlighted, surfaces);
     if (has_facets) add_facets(in, lit & highlighted, surfaces);
   }
-  for_each_ray(surfaces.met & surfaces.at.gouraud,
-               [&](size_t i) { add_gouraud_light(context, highlights, surfaces, i, counts); });
+  for_each_lane(surfaces.met & surfaces.at.gouraud,
+                [&](size_t i) { add_gouraud_light(context, highlights, surfaces, i, counts); });
 }
 
 }  // namespace rayfarm

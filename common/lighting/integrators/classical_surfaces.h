@@ -2,8 +2,6 @@
 // Surfaces as the classical models see them (thesis 2.2): a colour, with coefficients for ambient, diffuse
 // and specular light, and a shadow ray to each source (Equation 2.4). Those that the rays of a packet met
 // stand side by side.
-#include <bit>
-
 #include "common/lighting/frame_context.h"
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
@@ -107,11 +105,5 @@ struct Highlights {
 /// shadow rays.
 void add_direct_light(const FrameContext& context, const Highlights& highlights, ClassicalSurfaces& surfaces,
                       RayCounts& counts);
-
-/// Calls visit(i) for each ray of `bits`.
-template <typename Visitor>
-void for_each_ray(uint32_t bits, Visitor visit) {
-  for (; bits; bits &= bits - 1) visit(static_cast<size_t>(std::countr_zero(bits)));
-}
 
 }  // namespace rayfarm

@@ -26,7 +26,7 @@ class LocalIntegrator : public Integrator {
       surfaces.add_ambient_and_emission(context, i);
     }
     add_direct_light(context, highlights_, surfaces, counts);
-    for_each_ray(surfaces.met, [&](size_t i) { colors[i] = surfaces.light(i); });
+    for_each_lane(surfaces.met, [&](size_t i) { colors[i] = surfaces.light(i); });
     return static_cast<size_t>(std::popcount(surfaces.met));
   }
 

@@ -5,7 +5,7 @@
 
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/integrator.h"
-#include "common/lighting/integrators/path_lanes.h"
+#include "common/lighting/integrators/path_step.h"
 #include "common/lighting/light_choice.h"
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
@@ -47,44 +47,43 @@ class PathTracer {
   /// Returns how many rays met an object.
   size_t trace(const RayPacket& rays, std::span<const SampleId> ids) {
     ids_ = ids;
-    columns_.rays = rays;
+    lanes_.rays = rays;
     for (size_t i = 0; i < rays.size; ++i) {
       colors_[i] = Color(0);
       Path& path = paths_.emplace_back();
       path.place = static_cast<uint32_t>(i);
       path.id = ids[i];
       path.spread = context_.spread;
-      columns_.places[i] = path.place;
-      columns_.pixel_keys[i] = sampler_.pixel_key(ids[i]);
-      columns_.reversed_samples[i] = reversed_bits(ids[i].sample);
-      set_lane(columns_.throughput, i, path.throughput);
-      columns_.pdf[i] = path.pdf;
+      lanes_.places[i] = path.place;
+      lanes_.pixel_keys[i] = sampler_.pixel_key(ids[i]);
+      lanes_.reversed_samples[i] = reversed_bits(ids[i].sample);
+      set_lane(lanes_.throughput, i, path.throughput);
+      lanes_.pdf[i] = path.pdf;
     }
-    for (; !columns_.rays.empty(); ++depth_) step();
+    for (; !lanes_.rays.empty(); ++depth_) step();
     return eye_hits_;
   }
 
  private:
   void step() {
-    const size_t count = columns_.rays.size;
+    const size_t count = lanes_.rays.size;
     OfPacket<Hit> hits;
     hits.resize_for_overwrite(count);
-    closest_hits(scene_, pose_, columns_.rays, hits.data());
-    columns_.clear_sets();
+    closest_hits(scene_, pose_, lanes_.rays, hits.data());
+    lanes_.clear_sets();
     shadows_.rays.clear();
     LaneSet together = 0, go_on = 0;
     if (is_in_lanes_) {
-      LaneSet met = eval_surfaces(scene_, pose_, columns_.rays, hits.data(), columns_.surfaces);
+      LaneSet met = eval_surfaces(scene_, pose_, lanes_.rays, hits.data(), lanes_.surfaces);
       if (depth_ >= settings_.max_depth) met = 0;
-      for (; met != 0; met &= met - 1) {
-        const auto lane = static_cast<size_t>(std::countr_zero(met));
+      for_each_lane(met, [&](size_t lane) {
         if (prepare(lane, hits[lane])) together |= LaneSet{1} << lane;
-      }
+      });
     }
     if (together != 0) go_on = visit_together(together);
     for (size_t lane = 0; lane < count; ++lane)
       if (!(together >> lane & 1) && visit_alone(lane, hits[lane])) go_on |= LaneSet{1} << lane;
-    columns_.keep(go_on);
+    lanes_.keep(go_on);
     if (shadows_.rays.empty()) return;
     counts_[RayKind::shadow] += shadows_.rays.size;
     const uint32_t blocked = any_hits(scene_, pose_, shadows_.rays);
@@ -94,49 +93,47 @@ class PathTracer {
 
   /// A path's step by itself.
   bool visit_alone(size_t lane, const Hit& hit) {
-    Path& path = paths_[columns_.places[lane]];
+    Path& path = paths_[lanes_.places[lane]];
     path.depth = depth_;
-    path.throughput = lane_of(columns_.throughput, lane);
-    path.pdf = columns_.pdf[lane];
-    Ray ray = columns_.rays[lane];
+    path.throughput = lane_of(lanes_.throughput, lane);
+    path.pdf = lanes_.pdf[lane];
+    Ray ray = lanes_.rays[lane];
     Surface surface;
-    if (hit.is_hit())
-      surface = is_in_lanes_ ? columns_.surfaces[lane] : eval_surface(scene_, pose_, ray, hit);
+    if (hit.is_hit()) surface = is_in_lanes_ ? lanes_.surfaces[lane] : eval_surface(scene_, pose_, ray, hit);
     if (!visit(path, ray, hit, surface)) return false;
-    set_lane(columns_.throughput, lane, path.throughput);
-    columns_.pdf[lane] = path.pdf;
-    columns_.rays.set(lane, ray.origin, ray.direction);
+    set_lane(lanes_.throughput, lane, path.throughput);
+    lanes_.pdf[lane] = path.pdf;
+    lanes_.rays.set(lane, ray.origin, ray.direction);
     return true;
   }
 
   /// Sets what a step in lanes needs. False if the path must go alone: nothing has happened to it then.
   bool prepare(size_t lane, const Hit& hit) {
-    Path& path = paths_[columns_.places[lane]];
-    if (!columns_.set_material(scene_, lane, path.media)) return false;
+    Path& path = paths_[lanes_.places[lane]];
+    if (!lanes_.set_material(scene_, lane, path.media)) return false;
     const LaneSet bit = LaneSet{1} << lane;
-    if (path.reflections < settings_.max_reflections) columns_.can_reflect |= bit;
-    if (path.transmissions < settings_.max_transmissions) columns_.can_transmit |= bit;
+    if (path.reflections < settings_.max_reflections) lanes_.can_reflect |= bit;
+    if (path.transmissions < settings_.max_transmissions) lanes_.can_transmit |= bit;
     if (depth_ == 1) ++eye_hits_;
     path.width += hit.t * path.spread;
     if (!path.media.is_in_air())
-      set_lane(columns_.throughput, lane,
-               lane_of(columns_.throughput, lane) * path.media.transmittance(scene_, hit.t));
+      set_lane(lanes_.throughput, lane,
+               lane_of(lanes_.throughput, lane) * path.media.transmittance(scene_, hit.t));
     return true;
   }
 
   /// The steps of the lanes that are prepared. Returns those whose paths go on.
   LaneSet visit_together(LaneSet lanes) {
     const PathStep step =
-        step_in_lanes({context_, ids_, depth_, depth_ >= kFirstRoulette}, lanes, columns_, shadows_);
-    for (LaneSet rest = step.go_on; rest != 0; rest &= rest - 1) {
-      const auto lane = static_cast<size_t>(std::countr_zero(rest));
-      Path& path = paths_[columns_.places[lane]];
+        step_in_lanes({context_, ids_, depth_, depth_ >= kFirstRoulette}, lanes, lanes_, shadows_);
+    for_each_lane(step.go_on, [&](size_t lane) {
+      Path& path = paths_[lanes_.places[lane]];
       if (step.is_diffuse >> lane & 1) path.spread = kDiffuseSpread;
       const bool is_transmitted = step.is_transmitted >> lane & 1;
       ++(is_transmitted ? path.transmissions : path.reflections);
-      if (is_transmitted && (columns_.dielectrics >> lane & 1))
-        path.media.cross(columns_.surfaces.material[lane], columns_.surfaces.is_front(lane));
-    }
+      if (is_transmitted && (lanes_.dielectrics >> lane & 1))
+        path.media.cross(lanes_.surfaces.material[lane], lanes_.surfaces.is_front(lane));
+    });
     const auto count = [](LaneSet set) { return static_cast<size_t>(std::popcount(set)); };
     counts_[RayKind::transmitted] += count(step.is_transmitted);
     counts_[RayKind::diffuse] += count(step.is_diffuse);
@@ -293,9 +290,9 @@ class PathTracer {
   size_t eye_hits_ = 0;
   std::span<const SampleId> ids_;
   uint32_t depth_ = 1;    ///< of all paths: each step adds one
-  OfPacket<Path> paths_;  ///< by place; throughput and pdf stand in the columns
-  PathColumns columns_;   ///< in the order of the rays
-  ShadowColumns shadows_;
+  OfPacket<Path> paths_;  ///< by place; throughput and pdf stand in lanes_
+  PathLanes lanes_;       ///< in the order of the rays
+  ShadowLanes shadows_;
 };
 
 class PathIntegrator : public Integrator {

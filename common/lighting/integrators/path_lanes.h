@@ -1,33 +1,56 @@
 #pragma once
-// One step of those paths of a packet that all can take at once: of surfaces that only reflect diffusely and
-// as mirrors, or let light through as glass.
-#include "common/lighting/frame_context.h"
-#include "common/lighting/integrators/path_columns.h"
+// A packet of paths as structure of arrays: what a step in lanes works on.
+#include "common/lighting/media.h"
+#include "common/lighting/surfaces.h"
 
 namespace rayfarm {
 
-/// What became of the lanes of a step.
-struct PathStep {
-  LaneSet go_on = 0;                           ///< their rays are set
-  LaneSet is_diffuse = 0, is_transmitted = 0;  ///< of those that go on
+/// Bit i: lane i.
+using LaneSet = uint32_t;
+
+struct alignas(64) PathLanes {
+  PathLanes() {}  // leaves the lanes as they are
+
+  RayPacket rays;
+  // Of each path.
+  VectorLanes throughput;
+  double pdf[kMostPacketRays];  ///< of the last direction; 0: only chance could have led here, as along a
+                                ///< mirror's
+  uint64_t pixel_keys[kMostPacketRays];        ///< of the Sampler
+  uint32_t reversed_samples[kMostPacketRays];  ///< the samples' numbers with their bits reversed
+  uint32_t places[kMostPacketRays];            ///< of the eye rays
+
+  Surfaces surfaces;  ///< that they meet
+  // Of the material there. Lanes outside the sets mean nothing.
+  alignas(
+      64) double index_ratio[kMostPacketRays];  ///< behind the surface over before it; of a polish over air
+  VectorLanes substrate;                        ///< what is reflected diffusely, under a polish or bare
+  VectorLanes n, k;                             ///< of conductors
+  double reflect[kMostPacketRays], transmit[kMostPacketRays];  ///< of classical surfaces
+  VectorLanes through;                                         ///< what classical surfaces transmit
+  LaneSet substrates, polished, conductors, dielectrics, classical;
+  LaneSet can_reflect, can_transmit;  ///< not yet as often as is allowed
+
+  void clear_sets();
+  /// Describes what a lane's surface is made of. False, with the sets as they were, if that is not for a step
+  /// in lanes: it has a texture or spread highlights, shines, or is of another family.
+  bool set_material(const Scene& scene, size_t lane, const Media& media);
+  /// Leaves the paths of these lanes, close together; their rays go as far as they can.
+  void keep(LaneSet lanes);
 };
 
-/// What is common to a packet's paths.
-struct PathStage {
-  const FrameContext& context;
-  std::span<const SampleId> ids;  ///< by place
-  uint32_t depth = 1;
-  bool is_risky = false;  ///< paths end by chance
+/// Shadow rays of a step, and what each brings if nothing is in its way.
+struct alignas(64) ShadowLanes {
+  ShadowLanes() {}
+  RayPacket rays;
+  VectorLanes colors;
+  uint32_t places[kMostPacketRays];  ///< of the paths' eye rays
+
+  void push_back(const Vec3& origin, const Vec3& to_target, const Color& color, uint32_t place) {
+    set_lane(colors, rays.size, color);
+    places[rays.size] = place;
+    rays.push_back(origin, to_target, 1);
+  }
 };
-
-/// The step of `lanes`, which the sets above describe: light straight from a source, and the direction in
-/// which the path goes on. Emission and media are the caller's.
-PathStep step_in_lanes(const PathStage& stage, LaneSet lanes, PathColumns& paths, ShadowColumns& shadows);
-
-/// The power heuristic for one sample of each of two densities (Veach 1997, section 9.2.4).
-inline double balance(double used, double other) {
-  const double ratio = other / used;
-  return 1 / (1 + ratio * ratio);
-}
 
 }  // namespace rayfarm

@@ -128,7 +128,7 @@ class ThesisTracer {
   /// The rays that leave surfaces.
   void follow_others(uint32_t depth, const OfPacket<Branch>& branches, const ClassicalSurfaces& surfaces) {
     Batch *reflected = &tree_.begin_batch(depth + 1), *transmitted = &tree_.begin_batch(depth + 1);
-    for_each_ray(surfaces.met, [&](size_t i) {
+    for_each_lane(surfaces.met, [&](size_t i) {
       const Branch& branch = branches[i];
       if (depth == settings_.max_depth || !add_rays(branch, surfaces, i, transmitted, reflected))
         take(tree_.deliver(branch.receiver, surfaces.light(i)));

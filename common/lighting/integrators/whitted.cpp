@@ -45,7 +45,7 @@ class WhittedIntegrator : public Integrator {
                         const ClassicalSurfaces& surfaces, RayCounts& counts) {
     const RenderSettings& settings = context.tables.settings;
     Batch *reflected = &tree_.begin_batch(depth + 1), *transmitted = &tree_.begin_batch(depth + 1);
-    for_each_ray(surfaces.met, [&](size_t i) {
+    for_each_lane(surfaces.met, [&](size_t i) {
       const Branch& branch = branches[i];
       SecondaryRays secondary;
       if (depth < settings.max_depth && surfaces.has_secondary_rays(i))

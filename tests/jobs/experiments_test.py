@@ -1,0 +1,119 @@
+"""Experiments, as small as they get: each writes its page, tables and pictures."""
+import re
+
+from rayfarm_job import JobTest, SCENES, main
+
+
+class Experiments(JobTest):
+    def test_lighting_writes_its_page(self):
+        result = self.run_alone("experiment", "lighting", "-o", self.folder / "page", "--scenes", SCENES, "--width", "24")
+        self.assertEqual(result.code, 0, result.stderr)
+        rows = (self.folder / "page" / "lighting.csv").read_text().splitlines()
+        self.assertEqual(len(rows), 16)
+        cells = {row.split(",")[0]: dict(zip(rows[0].split(","), row.split(","))) for row in rows[1:]}
+        ratio = {name: float(row["rays_ratio"]) for name, row in cells.items()}
+        self.assertGreater(ratio["plate_3_1b"], 1.5)  # one diffuse ray and its shadow ray for each that meets a wall
+        self.assertLess(ratio["plate_3_1b"], 2.1)
+        # Thesis 3.5.1: 4, 9 and 25 directions a pixel by oversampling of 1, 4 and 16; (a w + 1)(b h + 1) rays through corners.
+        self.assertEqual([cells[f"plate_3_{plate}"]["directions"] for plate in ("3b", "4a", "4b")], ["4", "9", "25"])
+        self.assertEqual([int(cells[f"plate_3_{plate}"]["primary"]) for plate in ("3b", "4a", "4b")], [25 * 19, 49 * 37, 97 * 73])
+        errors = [row.split(",") for row in (self.folder / "page" / "error.csv").read_text().splitlines()[1:]]
+        for layout in ("thesis", "turned"):  # 3.5.1: errors fall with the rays
+            rms = [float(row[5]) for row in errors if row[0] == layout]
+            self.assertEqual(len(rms), 7)
+            self.assertGreater(rms[0], 3 * rms[-1])
+        page = (self.folder / "page" / "README.md").read_text()
+        bands = re.search(r"sin² 45° = 0.5 \| ([0-9.]+) \| 1 - cos⁴ 45° = 0.75 \| ([0-9.]+)", page)  # 3.3
+        self.assertAlmostEqual(float(bands[1]), 0.5, delta=0.01)
+        self.assertAlmostEqual(float(bands[2]), 0.75, delta=0.01)
+        for section in ("The time of Plate 3.1b", "Errors over rays", "Bands of light", "ball of light without"):
+            self.assertIn(section, page)
+        self.assertFalse((self.folder / "page" / "scratch").exists())
+        for row in rows[1:]:
+            self.assertIn(f"![{row.split(',')[0]}]", page)
+            self.assertTrue((self.folder / "page" / f"{row.split(',')[0]}.png").exists())
+
+    def test_depth_writes_its_page(self):
+        # Thesis 2.3.4: what is missing behind four or five reflections and seven transparent objects.
+        result = self.run_alone("experiment", "depth", "-o", self.folder / "page", "--scenes", SCENES, "--width", "20")
+        self.assertEqual(result.code, 0, result.stderr)
+        rows = [row.split(",") for row in (self.folder / "page" / "depth.csv").read_text().replace('"4 and 7, the default"', "default").splitlines()]
+        self.assertEqual(len(rows), 2 + 3 * (3 * 14 + 7))
+        rms = {tuple(row[:3]): float(row[6]) for row in rows[2:]}
+        for scene, series in (("mirrors", "reflections"), ("glass", "transmissions"), ("both", "reflections"), ("both", "transmissions")):
+            errors = [rms[series, str(n), scene] for n in (0, 4, 7, 14)]
+            self.assertEqual(errors, sorted(errors, reverse=True))
+            self.assertLess(errors[-1], 0.1 * errors[0])
+        self.assertEqual(rms["transmissions", "0", "mirrors"], 0)
+        self.assertLess(rms["together", "default", "both"], rms["together", "--max-depth 5", "both"])
+        page = (self.folder / "page" / "README.md").read_text()
+        self.assertRegex(page, r"\| 7 \| [0-9.e-]+ \| [0-9.]+ % \| [01]\.\d{3} \|")
+        for scene in ("mirrors", "glass", "both"):
+            self.assertIn(f"![{scene}]({scene}.png)", page)
+            self.assertTrue((self.folder / "page" / f"{scene}.png").exists())
+
+    def test_sampling_writes_its_page(self):
+        # Shirley, Sung and Brown 1991, 2.2.1: errors by pattern and number of samples.
+        result = self.run_alone("experiment", "sampling", "-o", self.folder / "page", "--scenes", SCENES, "--width", "12", "--samples", "8", "--seeds", "2")
+        self.assertEqual(result.code, 0, result.stderr)
+        rows = [row.split(",") for row in (self.folder / "page" / "sampling.csv").read_text().splitlines()]
+        self.assertEqual(len(rows), 2 + 6 * 7 * 4)
+        rms = {(row[0], row[1], int(row[2])): float(row[3]) for row in rows[2:]}
+        self.assertTrue(all(0 < error < 2 for error in rms.values()))
+        for scene in ("edges_upright", "soft_shadow", "gloss", "depth_of_field"):
+            for pattern in ("n-rooks", "sobol"):
+                self.assertLess(rms[scene, pattern, 8], 0.8 * rms[scene, pattern, 1], (scene, pattern))
+        page = (self.folder / "page" / "README.md").read_text()
+        self.assertIn("of 18 cases here", page)
+        self.assertRegex(page, r"\| 8 \|( \d\.\d\de[+-]\d\d ± \d+ % \|){7}")
+        self.assertEqual(self.run_alone("experiment", "depth", "--seeds", "3").code, 2)
+
+    def test_colour_writes_its_page(self):
+        result = self.run_alone("experiment", "colour", "-o", self.folder / "page", "--scenes", SCENES, "--width", "8")
+        self.assertEqual(result.code, 0, result.stderr)
+        header, *rows = (line.split(",") for line in (self.folder / "page" / "colour.csv").read_text().splitlines())
+        self.assertEqual(len(rows), 15)
+        of = {(row[0], row[1]): dict(zip(header[2:], map(float, row[2:]))) for row in rows}
+        self.assertEqual([of["chart", model]["passes"] for model in ("rgb", "meyer4", "spectral20", "spectral:200")], [1, 2, 7, 67])
+        self.assertEqual(of["prism", "spectral20"]["passes"], 20)
+        for scene in ("chart", "glasses", "prism"):
+            reference = of[scene, "spectral:200"]
+            self.assertEqual((reference["mean_difference"], reference["largest_difference"]), (0, 0))
+        # Lines of a lamp between the nodes: what has its nodes there is nearer than what has not.
+        self.assertLess(of["chart", "spectral"]["mean_difference"], 0.5 * of["chart", "meyer4"]["mean_difference"])
+        page = (self.folder / "page" / "README.md").read_text()
+        for word in ("more than doubled", "no qualitative loss", "![glasses spectral:200](glasses_reference.png)"):
+            self.assertIn(word, page)
+        for name in ("colour.dat", "colour.gp", "chart_meyer4.png", "prism_reference.png"):
+            self.assertTrue((self.folder / "page" / name).exists(), name)
+
+    def test_missing_scenes_and_names(self):
+        result = self.run_alone("experiment", "depth", "-o", self.folder / "page", "--scenes", self.folder / "none")
+        self.assertEqual(result.code, 3, result.stderr)
+        self.assertIn("mirrors.yaml", result.stderr)
+        result = self.run_alone("experiment", "lighting", "-o", self.folder / "page", "--scenes", self.folder / "none")
+        self.assertEqual(result.code, 3, result.stderr)
+        self.assertIn("goral_room.yaml", result.stderr)
+        self.assertEqual(self.run_alone("experiment", "lightning").code, 2)
+
+    def test_smoothing_writes_its_page(self):
+        """The thesis's claims of 2.3.5 in numbers: only interpolation along a picture's lines depends on how a polygon is turned."""
+        result = self.run_alone("experiment", "smoothing", "-o", self.folder / "page", "--width", "12")
+        self.assertEqual(result.code, 0, result.stderr)
+        lines = (self.folder / "page" / "smoothing.csv").read_text().splitlines()
+        rows = [line.rsplit(",", 6) for line in lines if line and not line.startswith(("#", "method"))]
+        rolls = {row[0].strip('"'): float(row[1]) for row in rows}
+        self.assertEqual(list(rolls), ["flat", "gouraud", "phong", "center", "gouraud, by lines", "phong, by lines"])
+        for name, change in rolls.items():
+            if "by lines" in name:
+                self.assertGreater(change, 0.0005, name)
+            else:
+                self.assertLess(change, 1e-6, name)
+        page = (self.folder / "page" / "README.md").read_text()
+        self.assertIn("| center |", page)
+        for name in ("jumps.dat", "profile.dat", "smoothing.gp"):
+            self.assertTrue((self.folder / "page" / name).exists(), name)
+
+
+if __name__ == "__main__":
+    main()
