@@ -23,7 +23,6 @@
 #include "tests/scene_text.h"
 
 namespace rayfarm::fuzz {
-
 namespace {
 
 std::string text_of(std::span<const std::byte> bytes) {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "common/description/formats/obj_piece.h"
 #include "tests/unit/pieces.h"
 #include "tests/unit/test_scene.h"
 
