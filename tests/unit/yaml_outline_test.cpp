@@ -233,6 +233,21 @@ TEST(YamlOutline, CountsAllValuesOfTheDocument) {
   EXPECT_TRUE(is_within(10, &*outline));
 }
 
+/// Long lists that can't be read apart are named, once, with their place; short ones are not worth a word.
+TEST(YamlOutline, SlowListsAreSaid) {
+  const auto notes_of = [](size_t points, const std::string& comment) {
+    std::string text = test::view_text() + "# a scene\nscene:\n  - triangles:\n      points: [" + comment;
+    for (size_t i = 0; i < points; ++i) text += fmt::format("[{}, {}, 0], ", i, i % 2);
+    text += "[0, 0, 1]]\n      triangles: [[0, 1, 2]]\n";
+    return test::load_yaml(text).notes.lines();
+  };
+  EXPECT_TRUE(notes_of(20'000, "").empty());
+  EXPECT_TRUE(notes_of(2'000, "# mine\n").empty());
+  const std::vector<std::string> lines = notes_of(20'000, "# mine\n");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find(":5:15: this list of 20001 items is read one by one"), lines[0].npos) << lines[0];
+}
+
 /// Cut into pieces, one a core, a list is what it is in one.
 TEST(YamlOutline, ReadsLongListsInPieces) {
   std::string text;

@@ -146,7 +146,7 @@ void YamlValue::fail_unknown(const std::string& kind, const std::vector<std::str
 
 std::vector<YamlValue> YamlValue::items() const {
   if (!node_.IsSequence()) fail(fmt::format("{} must be a list", what_));
-  if (items_apart()) fail(fmt::format("{} must not be a list of numbers", what_));
+  if (list_apart()) fail(fmt::format("{} must not be a list of numbers", what_));
   std::vector<YamlValue> result;
   result.reserve(node_.size());
   for (const YAML::Node& item : node_) result.emplace_back(item, what_, *file_, *budget_);
@@ -154,6 +154,14 @@ std::vector<YamlValue> YamlValue::items() const {
 }
 
 std::optional<NumberList> YamlValue::items_apart() const {
+  constexpr size_t kLongList = 20'000;
+  std::optional<NumberList> list = list_apart();
+  if (!list && node_.IsSequence() && node_.size() >= kLongList && !budget_->slow_list)
+    budget_->slow_list = {place(), node_.size()};
+  return list;
+}
+
+std::optional<NumberList> YamlValue::list_apart() const {
   if (!budget_->outline) return std::nullopt;
   const auto inside = budget_->outline->read_list(place_in_document());
   if (!inside || !node_.IsSequence()) return std::nullopt;

@@ -19,6 +19,12 @@ struct YamlBudget {
   std::stop_token stop;
   ReadProgress* progress = nullptr;
   YamlOutline* outline = nullptr;  ///< what the document was made of, if lists of numbers are read apart
+  /// The first long list of numbers that could not be read apart.
+  struct SlowList {
+    Place place;
+    size_t items;
+  };
+  std::optional<SlowList> slow_list{};
 };
 
 /// A YAML node with the name of its file and of what it stands for. Whatever makes one throws Stopped.
@@ -58,6 +64,7 @@ class YamlValue {
   std::vector<std::pair<YamlValue, YamlValue>> entries() const;
 
  private:
+  std::optional<NumberList> list_apart() const;
   YamlPlace place_in_document() const { return {node_.Mark().line, node_.Mark().column}; }
 
   YAML::Node node_;
