@@ -3,6 +3,7 @@
 #include "common/compile/darkness.h"
 #include "common/compile/libraries.h"
 #include "common/compile/lights.h"
+#include "common/compile/object_groups.h"
 #include "common/compile/objects.h"
 #include "common/compile/parts.h"
 #include "common/compile/shapes.h"
@@ -60,6 +61,8 @@ class PartCompiler {
   const Luminaires& luminaires() const { return luminaires_; }
   std::span<const std::vector<Luminous>> luminous_of() const { return luminous_of_; }  ///< by part
   std::span<const uint32_t> part_of() const { return part_of_; }                       ///< by object
+  /// Of the scene's own part, if objects arrange it.
+  std::span<const PlacedObject> placed() const { return placed_; }
   void add_notes(Notes& notes) const {
     shapes_.add_notes(notes);
     luminaires_.add_notes(description_, notes);
@@ -81,16 +84,19 @@ class PartCompiler {
       return;
     }
     // An object with a structure of its own is a collection in the one that it is in.
-    std::vector<PrimitiveGroup> groups{{.structure = description_.objects[owner].structure}};
+    std::vector<PrimitiveGroup> groups{{.structure = description_.objects[owner].structure, .owner = owner}};
     std::vector<size_t> group_of(objects.size());
     for (size_t i = 0; i < objects.size(); ++i) {
       const ObjectDescription& object = description_.objects[objects[i].object];
       group_of[i] = group_of[objects[i].parent];
       if (object.structure != kNone && object.structure != groups[group_of[i]].structure) {
-        groups.push_back({.parent = group_of[i], .structure = object.structure});
+        groups.push_back({.parent = group_of[i],
+                          .structure = object.structure,
+                          .owner = objects[i].object,
+                          .owner_in = objects[objects[i].parent].object});
         group_of[i] = groups.size() - 1;
       }
-      for (const PrimitiveDescription& p : object.primitives) shapes_.add(groups[group_of[i]].primitives, p);
+      add(groups[group_of[i]], objects[i].object, objects[objects[i].parent].object);
     }
     if (arrays_.triangle_shading.size() > limits::kPrimitives ||
         arrays_.face_corners.size() > limits::kFaceCorners)
@@ -100,9 +106,28 @@ class PartCompiler {
                     [](const PrimitiveGroup& g) { return g.primitives.ids.empty(); }))
       return;
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
-    arrays_.parts.push_back(
-        build_part(arrays_, groups, description_.structures, options_, is_structure_used_));
+    const bool is_placed = owner == description_.root && purpose_ == Purpose::pictures &&
+                           groups[0].structure == kNone && options_.hierarchy == Hierarchy::object;
+    arrays_.parts.push_back(build_part(arrays_, groups, description_, options_, is_structure_used_,
+                                       is_placed ? &placed_ : nullptr));
     luminous_of_.push_back(luminaires_.take());
+  }
+
+  /// Adds what is described of an object to the group: one object of it, but of what stands in the scene
+  /// itself each shape.
+  void add(PrimitiveGroup& group, uint32_t object, uint32_t parent) {
+    const auto count = [&] { return static_cast<uint32_t>(group.primitives.ids.size()); };
+    GroupObject described{object, object == group.owner ? kNone : parent, count(), 0};
+    const bool are_apart = object == description_.root && purpose_ == Purpose::pictures;
+    for (const PrimitiveDescription& p : description_.objects[object].primitives) {
+      shapes_.add(group.primitives, p);
+      if (!are_apart) continue;
+      described.count = count() - described.first;
+      group.objects.push_back(described);
+      described.first = count();
+    }
+    described.count = count() - described.first;
+    if (!are_apart || group.objects.empty()) group.objects.push_back(described);
   }
 
   /// Adds a library's parts when the first of them is met; returns where they begin.
@@ -128,6 +153,7 @@ class PartCompiler {
   ShapeCompiler shapes_;
   std::vector<std::optional<uint32_t>> libraries_;  ///< where the parts of each begin, once they are there
   std::vector<bool> is_structure_used_;
+  std::vector<PlacedObject> placed_;
   std::vector<uint32_t> part_of_;
   std::vector<std::vector<Luminous>> luminous_of_;
 };
@@ -157,15 +183,39 @@ void add_notes_of_built(const SceneDescription& description, const BuildOptions&
   const BuildOptions usual;
   if (description.libraries.empty() ||
       (options.hierarchy == usual.hierarchy && options.max_primitives == usual.max_primitives &&
-       options.quality == usual.quality && options.cells == usual.cells))
+       options.quality == usual.quality && options.cells == usual.cells && options.objects == usual.objects))
     return;
   notes.add({description.libraries[0].path},
             "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
 }
 
+/// Bounding volumes that no hierarchy has.
+void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOptions& options,
+                              Notes& notes) {
+  std::vector<const ObjectDescription*> idle, idle_groups;
+  for (const ObjectDescription& object : description.objects) {
+    if (object.bound.empty()) continue;
+    const BuildOptions& own =
+        object.structure == kNone ? options : description.structures[object.structure].build;
+    if (own.hierarchy != Hierarchy::object)
+      idle.push_back(&object);
+    else if (object.children.size() > 1 && own.objects.clusters != Clusters::groups)
+      idle_groups.push_back(&object);
+  }
+  const auto add = [&](const std::vector<const ObjectDescription*>& objects, const char* what,
+                       const char* why) {
+    if (!objects.empty())
+      notes.add(description.source(objects[0]->bound_place),
+                fmt::format("`bound` of {} {}{} changes nothing here: {}", objects.size(), what,
+                            objects.size() == 1 ? "" : "s", why));
+  };
+  add(idle, "object", "it belongs to an `object` hierarchy");
+  add(idle_groups, "group", "the scene's groups were not asked for as clusters");
+}
+
 /// Options of hierarchies that are not the one that was asked for.
 void add_notes_of_idle_options(const SceneDescription& description, const BuildOptions& options,
-                               Notes& notes) {
+                               Purpose purpose, Notes& notes) {
   const BuildOptions usual;
   const Hierarchy h = options.hierarchy;
   if (h != Hierarchy::sah && options.quality != usual.quality)
@@ -178,6 +228,16 @@ void add_notes_of_idle_options(const SceneDescription& description, const BuildO
   if (h != Hierarchy::regular && options.cells != usual.cells)
     notes.add(description.source(),
               "a number of cells belongs to a `regular` hierarchy, and changes nothing here");
+  if (h != Hierarchy::object && !(options.objects == usual.objects))
+    notes.add(
+        description.source(),
+        "how objects are bounded, clustered and sorted belongs to an `object` hierarchy, and changes nothing "
+        "here");
+  if (h == Hierarchy::object && options.objects.bounds_for == BoundsFor::eye &&
+      (options.objects.bounds != BoundChoice::best || purpose == Purpose::library))
+    notes.add(description.source(),
+              "what the eye sees of bounding volumes changes nothing here: it chooses the `best` of a scene");
+  add_notes_of_idle_bounds(description, options, notes);
 }
 
 }  // namespace
@@ -195,8 +255,12 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   PartCompiler parts(arrays, description, options, purpose);
   parts.add_all();
   LightPlaces places;
-  places.in_objects = ObjectTree(arrays, description, parts.part_of(), options.stop).expand();
+  ObjectTree tree(arrays, description, parts.part_of(), options.stop);
+  places.in_objects = tree.expand();
   build_object_part(arrays, description, options.stop);
+  if (options.hierarchy == Hierarchy::object && purpose == Purpose::pictures)
+    arrays.header[0].object_tree =
+        build_scene_objects(arrays, description, tree.objects(), parts.placed(), options.objects);
   if (purpose == Purpose::pictures) add_environment(arrays, description);
   places.luminaires = add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
   weigh_lights(arrays);
@@ -207,7 +271,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.notes = description.notes;
   parts.add_notes(result.notes);
   add_notes_of_built(description, options, result.notes);
-  add_notes_of_idle_options(description, options, result.notes);
+  add_notes_of_idle_options(description, options, purpose, result.notes);
   if (purpose == Purpose::library)
     add_notes_of_idle(description, result.notes);
   else

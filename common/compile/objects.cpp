@@ -92,6 +92,7 @@ void ObjectTree::expand(const ChildDescription& child, uint32_t parent, Changes 
   const ObjectDescription& object = description_.objects[child.object];
   const auto index = static_cast<uint32_t>(arrays_.object_nodes.size());
   arrays_.object_nodes.push_back(node);
+  objects_.push_back(child.object);
   if (part_of_[child.object] != kNone) {
     Instance instance{index, part_of_[child.object]};
     if (changes.moves || changes.comes_and_goes) {

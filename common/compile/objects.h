@@ -37,6 +37,8 @@ class ObjectTree {
     expand({description_.root, {}, {}, {}}, kNone, {});
     return std::move(light_places_);
   }
+  /// By node.
+  std::span<const uint32_t> objects() const { return objects_; }
 
  private:
   /// What a frame changes on the way from the root to a node.
@@ -53,6 +55,7 @@ class ObjectTree {
   std::stop_token stop_;
   std::map<const Curve*, uint32_t> curve_ids_;
   std::vector<Place> light_places_;
+  std::vector<uint32_t> objects_;
 };
 
 /// Places of all lights and poses of all instances at the scene's first frame, and the boxes over them: over

@@ -1,5 +1,6 @@
 #include "common/compile/parts.h"
 
+#include "common/compile/object_groups.h"
 #include "common/hierarchy/grid.h"
 #include "common/scene/array_offsets.h"
 
@@ -174,9 +175,11 @@ void count_primitives(const PartPrimitives& primitives, Part& part) {
   }
 }
 
-/// Builds the hierarchy over `primitives`, which are not empty.
-Collection build_collection(SceneArrays<GrowingArray>& arrays, const PartPrimitives& primitives,
-                            const BuildOptions& options) {
+/// Builds the hierarchy over the primitives of `group`, which are not empty. `placed`: as of build_part.
+Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGroup& group,
+                            const SceneDescription& description, const BuildOptions& options,
+                            std::vector<PlacedObject>* placed) {
+  const PartPrimitives& primitives = group.primitives;
   Collection collection;
   collection.first_triangle_block = static_cast<uint32_t>(arrays.triangle_blocks.size());
   collection.first_sphere_block = static_cast<uint32_t>(arrays.sphere_blocks.size());
@@ -193,8 +196,13 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PartPrimiti
   };
   const bool has_volumes = options.hierarchy == Hierarchy::sah || options.hierarchy == Hierarchy::thesis;
   collection.structure = has_volumes ? Structure::volumes : Structure::list;
-  collection.root = has_volumes ? build_hierarchy(source, options, make_leaf, arrays.nodes)
-                                : make_leaf(make_references(source, options));
+  std::vector<PlacedObject> objects;
+  if (has_volumes)
+    collection.root = build_hierarchy(source, options, make_leaf, arrays.nodes);
+  else if (options.hierarchy == Hierarchy::object)
+    collection.root = pack_objects(group, make_references(source, options), arrays, objects);
+  else
+    collection.root = make_leaf(make_references(source, options));
   collection.triangle_block_count = count_behind(arrays.triangle_blocks, collection.first_triangle_block);
   collection.sphere_block_count = count_behind(arrays.sphere_blocks, collection.first_sphere_block);
   collection.leaf_primitive_count = count_behind(arrays.leaf_primitives, collection.first_leaf_primitive);
@@ -203,32 +211,46 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PartPrimiti
     collection.structure = Structure::regular;
     collection.grid = build_grid(whole, whole.pointers(), options, arrays);
   }
+  if (options.hierarchy == Hierarchy::object) {
+    if (placed) {
+      *placed = std::move(objects);
+    } else {
+      collection.structure = Structure::object;
+      collection.tree =
+          build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
+    }
+  }
   return collection;
 }
 
 }  // namespace
 
 Part build_part(SceneArrays<GrowingArray>& arrays, std::vector<PrimitiveGroup>& groups,
-                std::span<const StructureDescription> structures, const BuildOptions& options,
-                std::vector<bool>& is_used) {
+                const SceneDescription& description, const BuildOptions& options, std::vector<bool>& is_used,
+                std::vector<PlacedObject>* placed) {
   Part part;
   const ArrayOffsets begin = offsets_behind(arrays);
   for (size_t i = groups.size(); i-- > 0;) {  // what is in a group stands behind it
-    const auto& [primitives, parent, structure] = groups[i];
+    const PartPrimitives& primitives = groups[i].primitives;
+    const uint32_t structure = groups[i].structure;
     if (primitives.ids.empty()) continue;
     BuildOptions build = options;
     if (structure != kNone) {
       is_used[structure] = true;
-      build = structures[structure].build;
+      build = description.structures[structure].build;
       build.progress = options.progress;
       build.stop = options.stop;
     }
     count_primitives(primitives, part);
-    Collection collection = build_collection(arrays, primitives, build);
+    const Collection collection =
+        build_collection(arrays, groups[i], description, build, i == 0 ? placed : nullptr);
     if (i == 0) {
       part.collection = collection;
     } else {
-      groups[parent].primitives.add(
+      PrimitiveGroup& outer = groups[groups[i].parent];
+      outer.objects.push_back(
+          {groups[i].owner, groups[i].owner_in, static_cast<uint32_t>(outer.primitives.ids.size()), 1});
+      outer.primitives.add(
           make_primitive_id(PrimitiveKind::collection, static_cast<uint32_t>(arrays.collections.size())));
       arrays.collections.push_back(collection);
     }

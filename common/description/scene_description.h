@@ -194,6 +194,8 @@ struct ObjectDescription {
   std::vector<LightDescription> lights{};
   std::optional<BuiltPart> built{};  ///< beside or in place of primitives
   uint32_t structure = kNone;        ///< of SceneDescription::structures; kNone: as what it is in
+  std::vector<BoundChoice> bound{};  ///< its volumes, in the order of their tests; empty: as asked for
+  Place bound_place{};
 };
 
 struct SceneDescription {

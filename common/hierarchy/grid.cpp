@@ -45,8 +45,11 @@ Box with_margin(const Box& box) {
 }
 
 bool is_too_far_for_cells(const Grid& grid, const Vec3& origin) {
+  return is_too_far(grid.box().magnitude(), origin);
+}
+
+bool is_too_far(double magnitude, const Vec3& origin) {
   constexpr double kRoundings = 16;  // of a coordinate on the way: fewer, each of half a last bit
-  const double magnitude = grid.box().magnitude();
   return kRoundings * std::numeric_limits<double>::epsilon() * (max_magnitude(origin) + magnitude) >
          kMargin * magnitude;
 }

@@ -263,7 +263,8 @@ template <typename Walker, typename VisitInstances>
 HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, Walker& walker,
                            VisitInstances visit_instances) {
   const VolumeNode* nodes = scene.fixed_nodes.data();
-  ChildRef root = scene.head().fixed_root;
+  // Where there is a tree of bounding volumes, it has been walked.
+  ChildRef root = HWY_LIKELY(scene.head().object_tree == kNone) ? scene.head().fixed_root : ChildRef{};
   for (bool is_last = false;; is_last = true) {
     if (root.kind() == ChildKind::inner) {
       if (walk(nodes, root, walker, visit_instances)) return true;
@@ -277,7 +278,13 @@ HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, Walker& walker,
 }
 
 template <typename Search>
+bool search_scene_objects(const Scene& scene, const Pose& pose, const PrimitiveRay& ray,
+                          Search& search);  // object_walk-inl.h
+
+template <typename Search>
 HWY_INLINE bool search_for_one(const Scene& scene, const Pose& pose, const PreparedRay& ray, Search& search) {
+  if (HWY_UNLIKELY(scene.head().object_tree != kNone) && search_scene_objects(scene, pose, ray, search))
+    return true;
   SingleWalker walker(ray, search);
   return walk_scene(scene, pose, walker, [&](const ChildRef& leaf, auto /*rays*/) HWY_ATTR {
     return walk_instances(scene, pose, leaf, ray, search);
@@ -329,7 +336,7 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
 template <typename Search>
 HWY_INLINE void search_for_packet(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among,
                                   Search* searches) {
-  if (!are_packet(rays, among)) {
+  if (HWY_UNLIKELY(scene.head().object_tree != kNone) || !are_packet(rays, among)) {
     for (; among; among &= among - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(among));
       search_for_one(scene, pose, PreparedRay(rays, i), searches[i]);

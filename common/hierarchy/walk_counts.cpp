@@ -25,6 +25,12 @@ class Counting : public Search {
   }
 
   void count_cell() { ++counts_->cells; }
+  void count(const BoundingVolume& volume) { ++counts_->bounds[static_cast<size_t>(volume.kind)]; }
+  void count(const BoundingNode& node) {
+    if (node.is_group()) ++counts_->groups;
+    if (std::any_of(node.leaves.begin(), node.leaves.end(), [](const ChildRef& c) { return c.count() > 0; }))
+      ++counts_->objects;
+  }
 
   bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     ++counts_->leaves;
@@ -35,6 +41,23 @@ class Counting : public Search {
       for (const SphereBlock& block : scene_->sphere_blocks.subspan(leaf.first, leaf.count()))
         for (const uint32_t sphere : block.spheres) counts_->spheres += sphere != kNone;
     if (leaf.kind() == ChildKind::mixed) return test_mixed(leaf, ray, instance);
+    return Search::test_leaf(leaf, ray, instance);
+  }
+
+  /// An object's primitives of a kind.
+  bool test_object(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
+    if (leaf.kind() == ChildKind::mixed) return test_mixed(leaf, ray, instance);
+    if (leaf.kind() == ChildKind::spheres)
+      for (const SphereBlock& block : scene_->sphere_blocks.subspan(leaf.first, leaf.count()))
+        for (const uint32_t sphere : block.spheres) counts_->spheres += sphere != kNone;
+    PrimitiveId last = kNoPrimitive;
+    if (leaf.kind() == ChildKind::triangles)
+      for (const TriangleBlock& block : scene_->triangle_blocks.subspan(leaf.first, leaf.count()))
+        for (const PrimitiveId id : block.primitives) {
+          if (id != last && id != kNoPrimitive)
+            ++(id.kind() == PrimitiveKind::triangle ? counts_->triangles : counts_->polygons);
+          last = id;
+        }
     return Search::test_leaf(leaf, ray, instance);
   }
 

@@ -2,20 +2,26 @@
 // What single rays cost in visits and tests (thesis 4.3, Weghorst, Hooper and Greenberg 1984), for
 // experiments and tests alone: the same walk as closest_hit and any_hit, compiled once more with counters,
 // and the same answers.
+#include <array>
+
 #include "common/hierarchy/frame_state.h"
 #include "common/hierarchy/hit.h"
 
 namespace rayfarm {
 
 struct WalkCounts {
-  uint64_t nodes = 0;   ///< of the object part and of parts
-  uint64_t boxes = 0;   ///< tested; a node's are tested at once
-  uint64_t cells = 0;   ///< of grids
-  uint64_t leaves = 0;  ///< of volumes and lists
-  // Primitives that were tested, or stand in leaves that were visited. In a cell's list a polygon is one, in
-  // leaves it is the triangles that it was cut into.
+  uint64_t nodes = 0;                           ///< of the object part and of parts
+  uint64_t boxes = 0;                           ///< tested; a node's are tested at once
+  uint64_t cells = 0;                           ///< of grids
+  uint64_t leaves = 0;                          ///< of volumes and lists
+  std::array<uint64_t, kVolumeKinds> bounds{};  ///< bounding volumes tested, in the order of VolumeKind
+  uint64_t groups = 0;                          ///< of objects: what is in them was tested
+  uint64_t objects = 0;                         ///< whose primitives were tested
+  // Primitives that were tested, or stand in leaves that were visited. In a cell's list and in an object a
+  // polygon is one, in leaves it is the triangles that it was cut into.
   uint64_t triangles = 0, spheres = 0, polygons = 0, quadrics = 0;
 
+  uint64_t bounding_volumes() const { return bounds[0] + bounds[1] + bounds[2] + bounds[3]; }
   uint64_t primitives() const { return triangles + spheres + polygons + quadrics; }
 };
 

@@ -89,9 +89,10 @@ void shift(LuminaireTriangle& triangle, const ArrayOffsets&) {
 }
 
 void shift(Collection& collection, const ArrayOffsets& o) {
-  auto& [bounds, structure, grid, root, first_triangle_block, triangle_block_count, first_sphere_block,
-         sphere_block_count, first_leaf_primitive, leaf_primitive_count] = collection;
+  auto& [bounds, structure, grid, tree, padding, root, first_triangle_block, triangle_block_count,
+         first_sphere_block, sphere_block_count, first_leaf_primitive, leaf_primitive_count] = collection;
   shift(grid, o.grids);
+  shift(tree, o.bounding_trees);
   shift(root, o);
   first_triangle_block += o.triangle_blocks;
   first_sphere_block += o.sphere_blocks;
@@ -101,6 +102,18 @@ void shift(Collection& collection, const ArrayOffsets& o) {
 void shift(Grid& grid, const ArrayOffsets& o) {
   auto& [low, cell, cells, first_cell] = grid;
   first_cell += o.grid_cells;
+}
+
+void shift(BoundingTree& tree, const ArrayOffsets& o) {
+  auto& [root, order, magnitude] = tree;
+  root += o.bounding_nodes;
+}
+
+void shift(BoundingNode& node, const ArrayOffsets& o) {
+  auto& [first_child, child_count, first_volume, volume_count, instance, padding, leaves] = node;
+  first_child += o.bounding_nodes;
+  first_volume += o.bounding_volumes;
+  for (ChildRef& leaf : leaves) shift(leaf, o);
 }
 
 void shift(PrimitivePointer& pointer, const ArrayOffsets& o) {

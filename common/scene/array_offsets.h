@@ -44,6 +44,9 @@ void shift(TriangleBlock& block, const ArrayOffsets& offsets);
 void shift(SphereBlock& block, const ArrayOffsets& offsets);
 void shift(Collection& collection, const ArrayOffsets& offsets);
 void shift(Grid& grid, const ArrayOffsets& offsets);
+void shift(BoundingTree& tree, const ArrayOffsets& offsets);
+void shift(BoundingNode& node, const ArrayOffsets& offsets);
+inline void shift(BoundingVolume&, const ArrayOffsets&) {}
 void shift(PrimitivePointer& pointer, const ArrayOffsets& offsets);
 void shift(PrimitiveId& id, const ArrayOffsets& offsets);
 void shift(SphereRecord& sphere, const ArrayOffsets& offsets);

@@ -14,7 +14,49 @@ enum class Hierarchy : uint8_t {
   thesis,   ///< volumes, divided into the octants about the centre of the data, straddling primitives clipped
             ///< (4.2.1.2)
   regular,  ///< equal cells (2.6.2; Ullner, Cleary)
-  brute     ///< none: a ray tests all
+  brute,    ///< none: a ray tests all
+  object    ///< bounding volumes about the objects and groups of the scene (2.6.1; Weghorst, Hooper and
+            ///< Greenberg 1984)
+};
+
+/// The shapes of bounding volumes.
+enum class VolumeKind : uint32_t {
+  sphere,
+  box,       ///< along the axes
+  cylinder,  ///< with caps
+  slabs      ///< seven pairs of planes (Kay and Kajiya 1986)
+};
+inline constexpr size_t kVolumeKinds = 4;
+
+/// Which bounding volumes objects and groups get. The first are those of VolumeKind.
+enum class BoundChoice : uint8_t { sphere, box, cylinder, slabs, best, none };
+
+/// What groups of objects are.
+enum class Clusters : uint8_t {
+  groups,    ///< the scene's
+  none,      ///< objects stand in a flat list
+  automatic  ///< near ones are put together
+};
+
+/// In which order a ray looks into the bounding volumes that it meets.
+enum class ObjectOrder : uint32_t {
+  sorted,  ///< by where it enters them, until a hit is nearer (thesis Figure 4.4, Weghorst's Figure 4)
+  all      ///< all of them (thesis Figure 2.15)
+};
+
+/// From where the rays come for which the best bounding volumes are chosen.
+enum class BoundsFor : uint8_t {
+  all,  ///< anywhere: volume stands for what they see of a shape
+  eye   ///< the camera, at the first frame
+};
+
+/// Of Hierarchy::object.
+struct ObjectOptions {
+  BoundChoice bounds = BoundChoice::best;
+  Clusters clusters = Clusters::groups;
+  ObjectOrder order = ObjectOrder::sorted;
+  BoundsFor bounds_for = BoundsFor::all;
+  bool operator==(const ObjectOptions&) const = default;
 };
 
 /// What a build may take for the sake of the rays. The pictures are the same.
@@ -35,6 +77,7 @@ struct BuildOptions {
   BuildQuality quality = BuildQuality::balanced;  ///< of Hierarchy::sah
   uint32_t cells =
       0;  ///< of Hierarchy::regular, along each axis; 0: so that there are four for each primitive
+  ObjectOptions objects{};
   BuildProgress* progress = nullptr;
   std::stop_token stop{};  ///< a build that was asked to stop throws Stopped
 };

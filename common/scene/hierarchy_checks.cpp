@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/scene/bounding_checks.h"
 #include "common/scene/check_tools.h"
 
 namespace rayfarm {
@@ -113,7 +114,10 @@ void check_pointers(const Scene& s) {
 
 /// `before`: the collections that may stand in it.
 void check_collection(const Scene& s, const Collection& c, size_t before, TreeChecks& volumes) {
-  require(c.structure <= Structure::regular, "a collection's structure");
+  require(c.structure <= Structure::object, "a collection's structure");
+  require((c.structure == Structure::object) == (c.tree != kNone) &&
+              (c.tree == kNone || c.tree < s.bounding_trees.size()),
+          "a collection's tree");
   require((c.structure == Structure::regular) == (c.grid != kNone) &&
               (c.grid == kNone || c.grid < s.grids.size()),
           "a collection's grid");
@@ -147,6 +151,7 @@ void check_hierarchy(const Scene& s) {
     spheres.take(part.first_sphere_block, part.sphere_block_count);
     primitives.take(part.first_leaf_primitive, part.leaf_primitive_count);
   }
+  check_bounding_trees(s);
   volumes.check_nodes(false);
   fixed.check_root(s.head().fixed_root, true);
   fixed.check_nodes(true);

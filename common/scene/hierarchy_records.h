@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "common/math/box.h"
+#include "common/scene/build_options.h"
 #include "common/shapes/primitive_id.h"
 
 namespace rayfarm {
@@ -13,7 +14,8 @@ namespace rayfarm {
 enum class Structure : uint32_t {
   volumes,  ///< a tree of volumes (thesis 4.2)
   list,     ///< one by one, all of them: for few primitives, and as the judge of the others
-  regular   ///< in equal cells (thesis 2.6.2)
+  regular,  ///< in equal cells (thesis 2.6.2)
+  object    ///< in bounding volumes about objects (thesis 2.6.1)
 };
 
 /// What a child slot of a volume node leads to. `meta` = kind << 29 | count.
@@ -85,6 +87,35 @@ struct Grid {
   size_t cell_count() const { return size_t{cells[0]} * cells[1] * cells[2]; }
   size_t index(uint32_t x, uint32_t y, uint32_t z) const { return (size_t{z} * cells[1] + y) * cells[0] + x; }
   Box box() const { return {low, low + cell * Vec3(cells[0], cells[1], cells[2])}; }
+};
+
+/// A shape about all that is in an object or group, larger by its tree's margin.
+struct BoundingVolume {
+  VolumeKind kind = VolumeKind::sphere;
+  uint32_t padding = 0;
+  /// Sphere: centre, radius. Box: low corner, high corner. Cylinder: the axis's middle, its direction (a unit
+  /// vector), radius, half its height. Slabs: the least and the greatest distance along each of kSlabNormals.
+  std::array<double, 14> numbers{};
+};
+
+/// An object with its primitives, or a group of what is in it.
+struct BoundingNode {
+  uint32_t first_child = 0, child_count = 0;    ///< of a group: behind it in bounding_nodes
+  uint32_t first_volume = 0, volume_count = 0;  ///< in bounding_volumes: what is in it lies in all of them
+  /// Of an object: the instance that has it, in whose space its volumes don't stand. kNone: the one whose
+  /// collection the tree belongs to.
+  uint32_t instance = kNone;
+  uint32_t padding = 0;
+  /// Of an object: its triangles, spheres and others. All empty where it is an instance as a whole.
+  std::array<ChildRef, 3> leaves{};
+  bool is_group() const { return child_count > 0; }
+};
+
+/// A hierarchy of objects: the root is a node, below it come groups and objects.
+struct BoundingTree {
+  uint32_t root = 0;  ///< in bounding_nodes
+  ObjectOrder order = ObjectOrder::sorted;
+  double magnitude = 0;  ///< the largest of a coordinate in it
 };
 
 /// A traverser's stack must hold this many levels, one of them made by the structurer.

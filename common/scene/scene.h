@@ -65,7 +65,9 @@ struct Collection {
   Box bounds;
   Structure structure = Structure::volumes;
   uint32_t grid = kNone;  ///< of a regular one
-  ChildRef root;          ///< of volumes; those of a list are one node at most
+  uint32_t tree = kNone;  ///< of bounding volumes, of one by objects
+  uint32_t padding = 0;
+  ChildRef root;  ///< of volumes; those of a list are one node at most
   // Its own primitives; those of a collection in it are not among them.
   uint32_t first_triangle_block = 0, triangle_block_count = 0;
   uint32_t first_sphere_block = 0, sphere_block_count = 0;
@@ -114,7 +116,10 @@ struct SceneHeader {
   ChildRef moving_root;  ///< over those that move, in moving_nodes
   uint32_t first_luminaire = 0;
   uint32_t environment = kNone;  ///< the texture that is seen behind the scene
-  double environment_turn = 0;   ///< about y, in whole turns
+  /// Of bounding volumes over the instances that never move, in place of the boxes of fixed_root; kNone: none
+  uint32_t object_tree = kNone;
+  uint32_t padding = 0;
+  double environment_turn = 0;  ///< about y, in whole turns
   Mat3 channels_from_rgb{1};  ///< of the colour pass; for what is only known while rays are traced: textures
   double far_away = 1;        ///< a distance that leads out of the scene from anywhere in it
 };

@@ -8,10 +8,12 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
       {{"sah", Hierarchy::sah},
        {"thesis", Hierarchy::thesis},
        {"regular", Hierarchy::regular},
-       {"brute", Hierarchy::brute}},
+       {"brute", Hierarchy::brute},
+       {"object", Hierarchy::object}},
       "how primitives are arranged: volumes that are split by the surface area heuristic "
       "(sah), or about the centre of the data (thesis); equal cells (regular); not at all "
-      "(brute); pictures are the same (default: sah)");
+      "(brute); bounding volumes about the scene's objects and groups (object); pictures are the same "
+      "(default: sah)");
   options.number("--max-primitives", build.max_primitives, 1, 1000,
                  "in a leaf of sah or thesis (default: 8)");
   options.choice<BuildQuality>(
@@ -22,6 +24,29 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
       "references a primitive on average, high up to 2 (default: balanced)");
   options.number("--cells", build.cells, 0, kMostCells,
                  "of regular: along each axis; 0: four cells for each primitive (default: 0)");
+  ObjectOptions& objects = build.objects;
+  options.choice<BoundChoice>(
+      "--bounds", objects.bounds,
+      {{"sphere", BoundChoice::sphere},
+       {"box", BoundChoice::box},
+       {"cylinder", BoundChoice::cylinder},
+       {"slabs", BoundChoice::slabs},
+       {"best", BoundChoice::best}},
+      "of object: the bounding volumes; best: sphere, box or cylinder, by volume and cost "
+      "of the test (default: best)");
+  options.choice<Clusters>(
+      "--clusters", objects.clusters,
+      {{"groups", Clusters::groups}, {"none", Clusters::none}, {"automatic", Clusters::automatic}},
+      "of object: the scene's groups have volumes, or objects alone, or groups of near objects (default: "
+      "groups)");
+  options.choice<ObjectOrder>("--object-order", objects.order,
+                              {{"sorted", ObjectOrder::sorted}, {"all", ObjectOrder::all}},
+                              "of object: a ray looks into volumes by where it enters them, until a hit is "
+                              "nearer; or into all that it meets (default: sorted)");
+  options.choice<BoundsFor>("--bounds-for", objects.bounds_for,
+                            {{"all", BoundsFor::all}, {"eye", BoundsFor::eye}},
+                            "of object: best for rays from anywhere, or for those from the eye at the first "
+                            "frame (default: all)");
 }
 
 }  // namespace rayfarm

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include "common/description/primitive_counts.h"
+#include "common/hierarchy/bounding_tree.h"
 #include "common/hierarchy/frame_state.h"
 #include "common/scene/references.h"
 #include "host/commands/commands.h"
@@ -70,6 +71,11 @@ int print_info(const std::string& path, const BuildOptions& build) {
   fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
              s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
   print_references(s);
+  if (s.head().object_tree != kNone) {
+    const ObjectSizes sizes = sizes_of(s, s.bounding_trees[s.head().object_tree]);
+    fmt::print("  nodes of objects and groups {}, pointers {}; by the thesis's formula {} bytes\n",
+               sizes.nodes, sizes.pointers, sizes.bytes());
+  }
   const bool moves = std::any_of(s.steps.begin(), s.steps.end(), [&](const TransformStepRecord& step) {
     return s.curves[step.curve].key_count > 1;
   });

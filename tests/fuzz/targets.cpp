@@ -53,11 +53,10 @@ struct Folder {
 
 std::vector<std::string> scene_seeds(const char* extension) {
   std::vector<std::string> seeds;
-  for (const auto& entry : std::filesystem::directory_iterator(RAYFARM_SOURCE "/scenes"))
-    if (entry.path().extension() == extension && entry.file_size() < 20'000)
-      seeds.push_back(read_file(entry.path(), limits::kFileBytes));
-  if (extension == std::string(".yaml"))  // solids and meshes
-    seeds.push_back(read_file(RAYFARM_SOURCE "/tests/golden/scenes/meshes.yaml", limits::kFileBytes));
+  for (const char* folder : {RAYFARM_SOURCE "/scenes", RAYFARM_SOURCE "/tests/golden/scenes"})
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (entry.path().extension() == extension && entry.file_size() < 20'000)
+        seeds.push_back(read_file(entry.path(), limits::kFileBytes));
   std::sort(seeds.begin(), seeds.end());
   return seeds;
 }

@@ -46,7 +46,7 @@ TEST(CollectionChecks, ListsAndGridsThatWouldReadOutsideAreRefused) {
   expect_refusal<PrimitiveId>(
       compiled, &Scene::leaf_primitives,
       [](PrimitiveId& id) {
-        return id.kind() == PrimitiveKind::collection && (id = make_primitive_id(id.kind(), 1), true);
+        return id.kind() == PrimitiveKind::collection && (id = make_primitive_id(id.kind(), 2), true);
       },
       "a collection in itself");
   expect_refusal<Grid>(
@@ -65,6 +65,50 @@ TEST(CollectionChecks, ListsAndGridsThatWouldReadOutsideAreRefused) {
   expect_refusal<PrimitivePointer>(
       compiled, &Scene::primitive_pointers, [](PrimitivePointer& p) { return p.bits = 3u << 30, true; },
       "a pointer of no kind");
+}
+
+TEST(CollectionChecks, TreesOfObjectsThatAWalkWouldNotEndInAreRefused) {
+  const CompiledScene compiled = test::compile_everything();
+  const auto refuse_node = [&](const std::function<bool(BoundingNode&)>& damage, const char* what) {
+    expect_refusal<BoundingNode>(compiled, &Scene::bounding_nodes, damage, what);
+  };
+  expect_refusal<Collection>(
+      compiled, &Scene::collections,
+      [](Collection& c) { return c.structure == Structure::object && (c.tree = kNone, true); }, "no tree");
+  expect_refusal<Collection>(
+      compiled, &Scene::collections, [](Collection& c) { return c.tree != kNone && (c.tree = 9, true); },
+      "a tree that is not there");
+  expect_refusal<BoundingTree>(
+      compiled, &Scene::bounding_trees, [](BoundingTree& t) { return t.root = 99, true; }, "no root");
+  expect_refusal<BoundingTree>(
+      compiled, &Scene::bounding_trees, [](BoundingTree& t) { return t.root += 1, true; },
+      "a root below the root");
+  expect_refusal<BoundingTree>(
+      compiled, &Scene::bounding_trees, [](BoundingTree& t) { return t.order = ObjectOrder(7), true; },
+      "no order");
+  refuse_node([](BoundingNode& n) { return n.is_group() && (n.first_child = 0, true); }, "a group in itself");
+  refuse_node([](BoundingNode& n) { return n.is_group() && (n.child_count = 1u << 30, true); },
+              "a group of more than there are");
+  refuse_node([](BoundingNode& n) { return n.volume_count = 1u << 20, true; }, "volumes that are not there");
+  refuse_node([](BoundingNode& n) { return !n.is_group() && (n.instance = 0, true); },
+              "another instance in a part's tree");
+  refuse_node(
+      [](BoundingNode& n) {
+        return n.leaves[0].count() > 0 && (n.leaves[0] = make_child(ChildKind::triangles, 0, 1u << 20), true);
+      },
+      "more triangles than there are");
+  refuse_node(
+      [](BoundingNode& n) {
+        return n.leaves[0].count() > 0 && (n.leaves[0] = make_child(ChildKind::inner, 0), true);
+      },
+      "a node of another hierarchy");
+  refuse_node([](BoundingNode& n) { return !n.is_group() && (n.leaves = {}, true); }, "an object of nothing");
+  expect_refusal<BoundingVolume>(
+      compiled, &Scene::bounding_volumes, [](BoundingVolume& v) { return v.kind = VolumeKind(9), true; },
+      "a volume of no kind");
+  expect_refusal<BoundingVolume>(
+      compiled, &Scene::bounding_volumes, [](BoundingVolume& v) { return v.numbers[2] = NAN, true; },
+      "a volume of no place");
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ scene:
   - {use: pair, transform: {translate: [1, -2, 0]}, visible: {0: true, 3: false}}
   - {structure: {regular: {cells: 2}}, group: [{polygon: {points: [[0, 0, -2], [1, 0, -2], [1, 1, -2], [0, 1, -2]]}},
      {sphere: {center: [0, 0, -2], radius: 0.3}}, {structure: thesis, sphere: {center: [1, 1, -2], radius: 0.3}}]}
+  - {structure: object, group: [{name: a, mesh: {file: mesh.obj}}, {name: b, sphere: {center: [2, 2, -2], radius: 0.3}}]}
   - {light: {position: [0, 3, 0], falloff: true}, transform: {translate: {0: [0, 0, 0], 4: [1, 0, 0]}}}
   - {use: pair, transform: {orient: {0: {axis: [0, 1, 0], degrees: 0}, 4: {axis: [0, 1, 0], degrees: 90}}}}
 )";

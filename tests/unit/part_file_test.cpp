@@ -45,6 +45,10 @@ std::string nodes() {
       - {material: glass, sphere: {center: [0, 0, -2], radius: 0.3}}
       - {material: red, polygon: {points: [[0, 0, -2], [1, 0, -2], [1, 1, -2], [0, 1, -2]]}}
       - {structure: thesis, material: red, cylinder: {base: [1, 1, -2], top: [1, 1, -3], radius: 0.3}}
+  - structure: object
+    group:
+      - {name: vase, material: red, lathe: {profile: [[0, 0], [0.3, 0.4], [0, 0.8]], sides: 6}}
+      - {name: bulb, bound: [sphere, box], material: glass, sphere: {center: [2, 0, -2], radius: 0.3}}
 )";
   for (int i = 0; i < 12; ++i)
     text += fmt::format("  - {{material: glass, sphere: {{center: [{}, {}, -1], radius: 0.2}}}}\n",

@@ -43,7 +43,8 @@ void expect_brute_force(const CompiledScene& compiled) {
 
 // Shirley, Sung and Brown, 2.3: collections nest, "a grid in an octree in a list".
 TEST(Structures, CollectionsNestInAnyOrder) {
-  const std::vector<std::string> names{"sah", "thesis", "{regular: {cells: 4}}", "brute"};
+  const std::vector<std::string> names{"sah", "thesis", "{regular: {cells: 4}}", "brute",
+                                       "{object: {bounds: sphere}}"};
   for (const std::string& outer : names)
     for (const std::string& inner : names)
       for (const std::string& innermost : names) {

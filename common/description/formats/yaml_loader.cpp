@@ -205,12 +205,18 @@ class Loader {
       scene_.structures.push_back(read_structure(*own_structure));
     }
 
-    // What can move, come and go, has a name or a structure is a node of its own in the object tree; any
-    // other entry joins its parent.
+    const auto own_bound = map.find("bound");
+
+    // What can move, come and go, has a name, a structure or a bounding volume is a node of its own in the
+    // object tree; any other entry joins its parent.
     uint32_t target = object;
-    if (!child.transform.empty() || child.visible || !name.empty() || own_structure) {
+    if (!child.transform.empty() || child.visible || !name.empty() || own_structure || own_bound) {
       target = add_object(name.empty() ? fmt::format("line {}", value.place().line) : name, value.place());
       scene_.objects[target].structure = inherited.structure;
+      if (own_bound) {
+        scene_.objects[target].bound = read_bound(*own_bound);
+        scene_.objects[target].bound_place = own_bound->place();
+      }
       child.object = target;
       scene_.objects[object].children.push_back(std::move(child));
     }

@@ -1,12 +1,14 @@
 #include "common/description/formats/yaml_structures.h"
 
+#include <algorithm>
+
 #include "common/scene/hierarchy_records.h"
 
 namespace rayfarm {
 namespace {
 
 const std::vector<std::string>& hierarchy_names() {  // in the order of Hierarchy
-  static const std::vector<std::string> names{"sah", "thesis", "regular", "brute"};
+  static const std::vector<std::string> names{"sah", "thesis", "regular", "brute", "object"};
   return names;
 }
 
@@ -14,7 +16,25 @@ uint32_t whole_number(const YamlValue& value, int least, int most) {
   return static_cast<uint32_t>(value.whole_number_in(least, most));
 }
 
+/// `of_all`: `best` is a word, too, and `none` is not.
+BoundChoice read_one_bound(const YamlValue& value, bool of_all) {
+  if (of_all) return static_cast<BoundChoice>(value.choice({"sphere", "box", "cylinder", "slabs", "best"}));
+  const size_t kind = value.choice({"sphere", "box", "cylinder", "slabs", "none"});
+  return kind == 4 ? BoundChoice::none : static_cast<BoundChoice>(kind);
+}
+
 }  // namespace
+
+std::vector<BoundChoice> read_bound(const YamlValue& value) {
+  if (!value.is_sequence()) return {read_one_bound(value, false)};
+  std::vector<BoundChoice> bounds;
+  for (const YamlValue& item : value.items()) bounds.push_back(read_one_bound(item, false));
+  if (bounds.empty() || bounds.size() > kVolumeKinds)
+    value.fail("a list of bounding volumes has one to four of them; `bound: none` is none");
+  if (bounds.size() > 1 && std::find(bounds.begin(), bounds.end(), BoundChoice::none) != bounds.end())
+    value.fail("`none` stands alone: `bound: none`");
+  return bounds;
+}
 
 StructureDescription read_structure(const YamlValue& value) {
   StructureDescription structure;
@@ -41,6 +61,13 @@ StructureDescription read_structure(const YamlValue& value) {
       if (auto v = options.find("cells")) build.cells = whole_number(*v, 1, static_cast<int>(kMostCells));
       break;
     case Hierarchy::brute:
+      break;
+    case Hierarchy::object:
+      if (auto v = options.find("bounds")) build.objects.bounds = read_one_bound(*v, true);
+      if (auto v = options.find("clusters"))
+        build.objects.clusters = static_cast<Clusters>(v->choice({"groups", "none", "automatic"}));
+      if (auto v = options.find("order"))
+        build.objects.order = static_cast<ObjectOrder>(v->choice({"sorted", "all"}));
       break;
   }
   options.finish();
