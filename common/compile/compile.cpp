@@ -156,12 +156,20 @@ void add_notes_of_idle(const SceneDescription& description, Notes& notes) {
             idle));
 }
 
+/// True if no option of octrees was given.
+bool is_usual_octree(const BuildOptions& options) {
+  const BuildOptions usual;
+  return options.octree_data == usual.octree_data && options.octree_next == usual.octree_next &&
+         options.octree_depth == usual.octree_depth && options.octree_hash == usual.octree_hash;
+}
+
 /// What options can't change.
 void add_notes_of_built(const SceneDescription& description, const BuildOptions& options, Notes& notes) {
   const BuildOptions usual;
   if (description.libraries.empty() ||
       (options.hierarchy == usual.hierarchy && options.max_primitives == usual.max_primitives &&
-       options.quality == usual.quality && options.cells == usual.cells))
+       options.quality == usual.quality && options.cells == usual.cells && is_usual_octree(options) &&
+       !options.has_mailbox))
     return;
   notes.add({description.libraries[0].path},
             "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
@@ -176,12 +184,23 @@ void add_notes_of_idle_options(const SceneDescription& description, const BuildO
     notes.add(description.source(),
               "a fast or a high build belongs to volumes by the surface area heuristic (`sah`), and changes "
               "nothing here");
-  if (h != Hierarchy::sah && h != Hierarchy::thesis && options.max_primitives != usual.max_primitives)
+  if (h != Hierarchy::sah && h != Hierarchy::thesis && h != Hierarchy::adaptive &&
+      options.max_primitives != usual.max_primitives)
     notes.add(description.source(),
               "how many primitives a volume holds changes nothing here, as there are no volumes");
   if (h != Hierarchy::regular && options.cells != usual.cells)
     notes.add(description.source(),
               "a number of cells belongs to a `regular` hierarchy, and changes nothing here");
+  if (h != Hierarchy::adaptive && !is_usual_octree(options))
+    notes.add(description.source(),
+              "options of octrees belong to an `adaptive` hierarchy, and change nothing here");
+  if (h == Hierarchy::adaptive && options.octree_data != OctreeData::hash &&
+      options.octree_hash != usual.octree_hash)
+    notes.add(description.source(),
+              "the places of a hash table change nothing here, as pointers lead to the data");
+  if (h != Hierarchy::regular && h != Hierarchy::adaptive && options.has_mailbox)
+    notes.add(description.source(),
+              "a mailbox belongs to cells (`regular`, `adaptive`), and changes nothing here");
   // Of what is arranged otherwise, part files and structures, nobody knows here how often it is referred to.
   if (h == Hierarchy::sah && options.quality == BuildQuality::high && description.libraries.empty() &&
       description.structures.empty() && built > 0 && count_references(scene) == built)

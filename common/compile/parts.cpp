@@ -1,6 +1,7 @@
 #include "common/compile/parts.h"
 
 #include "common/hierarchy/grid.h"
+#include "common/hierarchy/octree.h"
 #include "common/scene/array_offsets.h"
 
 namespace rayfarm {
@@ -210,6 +211,13 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PartPrimiti
     const WholePrimitives whole(source, primitives, collection);
     collection.structure = Structure::regular;
     collection.grid = build_grid(whole, whole.pointers(), options, arrays);
+    collection.has_mailbox = options.has_mailbox ? 1 : 0;
+  }
+  if (options.hierarchy == Hierarchy::adaptive) {
+    const WholePrimitives whole(source, primitives, collection);
+    collection.structure = Structure::adaptive;
+    collection.octree = build_octree(whole, whole.pointers(), options, arrays);
+    collection.has_mailbox = options.has_mailbox ? 1 : 0;
   }
   return collection;
 }

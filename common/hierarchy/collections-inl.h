@@ -9,6 +9,7 @@
 #include <hwy/highway.h>
 
 #include "common/hierarchy/grid-inl.h"
+#include "common/hierarchy/octree-inl.h"
 #include "common/hierarchy/walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,6 +31,8 @@ HWY_NOINLINE bool search_collection(const Scene& scene, const Collection& collec
       return search_list(collection, ray, instance, search);
     case Structure::regular:
       return search_grid(scene, collection, ray, instance, search);
+    case Structure::adaptive:
+      return search_octree(scene, collection, ray, instance, search);
   }
   return false;
 }

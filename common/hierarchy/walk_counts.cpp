@@ -24,7 +24,13 @@ class Counting : public Search {
     for (const ChildRef& child : node.children) counts_->boxes += child.kind() != ChildKind::empty;
   }
 
-  void count_cell() { ++counts_->cells; }
+  void count_cell(bool is_empty) {
+    ++counts_->cells;
+    counts_->empty_cells += is_empty;
+  }
+  void count_tree_node() { ++counts_->tree_nodes; }
+  void count_chain_step() { ++counts_->chain_steps; }
+  void count_saved_test() { ++counts_->saved_tests; }
 
   bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     ++counts_->leaves;

@@ -89,9 +89,10 @@ void shift(LuminaireTriangle& triangle, const ArrayOffsets&) {
 }
 
 void shift(Collection& collection, const ArrayOffsets& o) {
-  auto& [bounds, structure, grid, root, first_triangle_block, triangle_block_count, first_sphere_block,
-         sphere_block_count, first_leaf_primitive, leaf_primitive_count] = collection;
+  auto& [bounds, structure, grid, octree, has_mailbox, root, first_triangle_block, triangle_block_count,
+         first_sphere_block, sphere_block_count, first_leaf_primitive, leaf_primitive_count] = collection;
   shift(grid, o.grids);
+  shift(octree, o.octrees);
   shift(root, o);
   first_triangle_block += o.triangle_blocks;
   first_sphere_block += o.sphere_blocks;
@@ -101,6 +102,23 @@ void shift(Collection& collection, const ArrayOffsets& o) {
 void shift(Grid& grid, const ArrayOffsets& o) {
   auto& [low, cell, cells, first_cell] = grid;
   first_cell += o.grid_cells;
+}
+
+void shift(Octree& octree, const ArrayOffsets& o) {
+  auto& [low, unit, size, next, first_node, node_count, first_cell, cell_count, first_place, place_count] =
+      octree;
+  first_node += o.octree_nodes;
+  first_cell += o.octree_cells;
+  first_place += o.octree_hash;
+}
+
+void shift(OctreeNode& node, const ArrayOffsets&) {
+  [[maybe_unused]] auto& [size, center, child, sibling, is_divided] = node;
+}
+
+void shift(OctreeCell& cell, const ArrayOffsets& o) {
+  auto& [name, first_pointer, pointer_count, next, padding] = cell;
+  first_pointer += o.primitive_pointers;
 }
 
 void shift(PrimitivePointer& pointer, const ArrayOffsets& o) {

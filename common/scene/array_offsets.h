@@ -44,6 +44,9 @@ void shift(TriangleBlock& block, const ArrayOffsets& offsets);
 void shift(SphereBlock& block, const ArrayOffsets& offsets);
 void shift(Collection& collection, const ArrayOffsets& offsets);
 void shift(Grid& grid, const ArrayOffsets& offsets);
+void shift(Octree& octree, const ArrayOffsets& offsets);
+void shift(OctreeNode& node, const ArrayOffsets& offsets);
+void shift(OctreeCell& cell, const ArrayOffsets& offsets);
 void shift(PrimitivePointer& pointer, const ArrayOffsets& offsets);
 void shift(PrimitiveId& id, const ArrayOffsets& offsets);
 void shift(SphereRecord& sphere, const ArrayOffsets& offsets);
@@ -65,7 +68,7 @@ void shift_element(T& element, const ArrayOffsets& offsets) {
     element += offsets.normals;
   else if constexpr (name == ArrayName::grid_cells)
     element += offsets.primitive_pointers;
-  else
+  else if constexpr (name != ArrayName::octree_hash)  // its numbers are the octree's own
     shift(element, offsets);
 }
 

@@ -64,8 +64,10 @@ struct ObjectNode {
 struct Collection {
   Box bounds;
   Structure structure = Structure::volumes;
-  uint32_t grid = kNone;  ///< of a regular one
-  ChildRef root;          ///< of volumes; those of a list are one node at most
+  uint32_t grid = kNone;     ///< of a regular one
+  uint32_t octree = kNone;   ///< of an adaptive one
+  uint32_t has_mailbox = 0;  ///< 1: what rays were tested with in a cell is not tested in others
+  ChildRef root;             ///< of volumes; those of a list are one node at most
   // Its own primitives; those of a collection in it are not among them.
   uint32_t first_triangle_block = 0, triangle_block_count = 0;
   uint32_t first_sphere_block = 0, sphere_block_count = 0;

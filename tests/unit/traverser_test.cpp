@@ -125,7 +125,7 @@ TEST_P(Hierarchies, AnswerAsBruteForceDoes) {
 
 INSTANTIATE_TEST_SUITE_P(, Hierarchies,
                          testing::Values(Hierarchy::sah, Hierarchy::thesis, Hierarchy::regular,
-                                         Hierarchy::brute));
+                                         Hierarchy::adaptive, Hierarchy::brute));
 
 TEST(Traverser, CountedWalksAnswerAsOthersAndCountWhatTheyVisit) {
   const SceneDescription description = test::make_mixed_scene(6, 1, 400);

@@ -6,12 +6,24 @@ namespace rayfarm {
 namespace {
 
 const std::vector<std::string>& hierarchy_names() {  // in the order of Hierarchy
-  static const std::vector<std::string> names{"sah", "thesis", "regular", "brute"};
+  static const std::vector<std::string> names{"sah", "thesis", "regular", "adaptive", "brute"};
   return names;
 }
 
 uint32_t whole_number(const YamlValue& value, int least, int most) {
   return static_cast<uint32_t>(value.whole_number_in(least, most));
+}
+
+void read_octree(YamlMap& options, BuildOptions& build) {
+  if (auto v = options.find("max_primitives")) build.max_primitives = whole_number(*v, 1, 1000);
+  if (auto v = options.find("depth")) build.octree_depth = whole_number(*v, 1, int{kMostOctreeDepth});
+  if (auto v = options.find("data"))
+    build.octree_data = static_cast<OctreeData>(v->choice({"hash", "pointers"}));
+  if (build.octree_data == OctreeData::hash)
+    if (auto v = options.find("hash")) build.octree_hash = whole_number(*v, 1, int{kMostHashPlaces});
+  if (auto v = options.find("next"))
+    build.octree_next = static_cast<OctreeNext>(v->choice({"root", "walk", "dda"}));
+  if (auto v = options.find("mailbox")) build.has_mailbox = v->boolean();
 }
 
 }  // namespace
@@ -39,6 +51,10 @@ StructureDescription read_structure(const YamlValue& value) {
       break;
     case Hierarchy::regular:
       if (auto v = options.find("cells")) build.cells = whole_number(*v, 1, static_cast<int>(kMostCells));
+      if (auto v = options.find("mailbox")) build.has_mailbox = v->boolean();
+      break;
+    case Hierarchy::adaptive:
+      read_octree(options, build);
       break;
     case Hierarchy::brute:
       break;
