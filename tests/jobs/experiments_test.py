@@ -58,7 +58,7 @@ class Experiments(JobTest):
         self.assertEqual(result.code, 0, result.stderr)
         lines = (self.folder / "page" / "hierarchies.csv").read_text().splitlines()
         rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-        self.assertEqual(len(rows), 3 * 10)
+        self.assertEqual(len(rows), 3 * 13)
         self.assertEqual({int(row["primitives"]) for row in rows}, {1658, 66, 2708})  # Table 4.3
         for row in rows:
             self.assertEqual(int(row["eye_rays"]), 17 * 17)

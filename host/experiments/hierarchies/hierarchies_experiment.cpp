@@ -31,6 +31,9 @@ std::vector<Setting> make_settings(size_t image) {
         {"regular", fmt::format("{}³ cells", cells), {.hierarchy = Hierarchy::regular, .cells = cells}});
   for (const uint32_t cut : {25u, 15u, 10u})
     settings.push_back(
+        {"adaptive", fmt::format("{}", cut), {.hierarchy = Hierarchy::adaptive, .max_primitives = cut}});
+  for (const uint32_t cut : {25u, 15u, 10u})
+    settings.push_back(
         {"thesis", fmt::format("{}", cut), {.hierarchy = Hierarchy::thesis, .max_primitives = cut}});
   for (const uint32_t cut : {25u, 15u, 8u})
     settings.push_back({"sah", fmt::format("{}", cut), {.max_primitives = cut}});
@@ -58,7 +61,7 @@ plot for [i=1:3] "hierarchies.dat" using (column(i+4)):xtic(1) title sprintf("Im
 /// The first setting of each hierarchy, image by image.
 void write_plots(const std::filesystem::path& folder, const std::vector<HierarchyRow>& rows) {
   std::string data = "# hierarchy, primitives a ray of Images 1 to 3, nanoseconds\n";
-  for (const char* hierarchy : {"brute", "regular", "thesis", "sah"}) {
+  for (const char* hierarchy : {"brute", "regular", "adaptive", "thesis", "sah"}) {
     std::string tests, times;
     for (int image = 1; image <= 3; ++image)
       for (const HierarchyRow& row : rows)

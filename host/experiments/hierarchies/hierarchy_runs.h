@@ -32,7 +32,7 @@ struct HierarchyRun {
   size_t primitives = 0;
   size_t pointers = 0;              ///< to primitives, from leaves or cells
   size_t interior = 0, leaves = 0;  ///< volumes
-  size_t cells = 0, empty = 0;      ///< of grids, and those without a primitive
+  size_t cells = 0, empty = 0;      ///< of grids; nodes of octrees; and cells without a primitive
   double thesis_bytes = 0;          ///< by the thesis's formulas (4.3.2); 0: it has none
   KindCosts eye, secondary, shadow;
   double ns_per_ray = 0;  ///< the least of three runs through all rays, one by one
