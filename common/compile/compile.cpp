@@ -10,6 +10,7 @@
 #include "common/compile/spectra.h"
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
+#include "common/scene/references.h"
 
 namespace rayfarm {
 namespace {
@@ -63,6 +64,7 @@ class PartCompiler {
   std::span<const uint32_t> part_of() const { return part_of_; }                       ///< by object
   /// Of the scene's own part, if objects arrange it.
   std::span<const PlacedObject> placed() const { return placed_; }
+  size_t built() const { return built_; }  ///< primitives that were given to the builder
   void add_notes(Notes& notes) const {
     shapes_.add_notes(notes);
     luminaires_.add_notes(description_, notes);
@@ -105,6 +107,7 @@ class PartCompiler {
     if (std::all_of(groups.begin(), groups.end(),
                     [](const PrimitiveGroup& g) { return g.primitives.ids.empty(); }))
       return;
+    for (const PrimitiveGroup& g : groups) built_ += g.primitives.ids.size();
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     const bool is_placed = owner == description_.root && purpose_ == Purpose::pictures &&
                            groups[0].structure == kNone && options_.hierarchy == Hierarchy::object;
@@ -151,6 +154,7 @@ class PartCompiler {
   Purpose purpose_;
   Luminaires luminaires_;
   ShapeCompiler shapes_;
+  size_t built_ = 0;
   std::vector<std::optional<uint32_t>> libraries_;  ///< where the parts of each begin, once they are there
   std::vector<bool> is_structure_used_;
   std::vector<PlacedObject> placed_;
@@ -178,12 +182,20 @@ void add_notes_of_idle(const SceneDescription& description, Notes& notes) {
             idle));
 }
 
+/// True if no option of octrees was given.
+bool is_usual_octree(const BuildOptions& options) {
+  const BuildOptions usual;
+  return options.octree_data == usual.octree_data && options.octree_next == usual.octree_next &&
+         options.octree_depth == usual.octree_depth && options.octree_hash == usual.octree_hash;
+}
+
 /// What options can't change.
 void add_notes_of_built(const SceneDescription& description, const BuildOptions& options, Notes& notes) {
   const BuildOptions usual;
   if (description.libraries.empty() ||
       (options.hierarchy == usual.hierarchy && options.max_primitives == usual.max_primitives &&
-       options.quality == usual.quality && options.cells == usual.cells && options.objects == usual.objects))
+       options.quality == usual.quality && options.cells == usual.cells && is_usual_octree(options) &&
+       !options.has_mailbox && options.objects == usual.objects))
     return;
   notes.add({description.libraries[0].path},
             "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
@@ -215,14 +227,15 @@ void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOp
 
 /// Options of hierarchies that are not the one that was asked for.
 void add_notes_of_idle_options(const SceneDescription& description, const BuildOptions& options,
-                               Purpose purpose, Notes& notes) {
+                               Purpose purpose, const Scene& scene, size_t built, Notes& notes) {
   const BuildOptions usual;
   const Hierarchy h = options.hierarchy;
   if (h != Hierarchy::sah && options.quality != usual.quality)
     notes.add(description.source(),
               "a fast or a high build belongs to volumes by the surface area heuristic (`sah`), and changes "
               "nothing here");
-  if (h != Hierarchy::sah && h != Hierarchy::thesis && options.max_primitives != usual.max_primitives)
+  if (h != Hierarchy::sah && h != Hierarchy::thesis && h != Hierarchy::adaptive &&
+      options.max_primitives != usual.max_primitives)
     notes.add(description.source(),
               "how many primitives a volume holds changes nothing here, as there are no volumes");
   if (h != Hierarchy::regular && options.cells != usual.cells)
@@ -238,6 +251,23 @@ void add_notes_of_idle_options(const SceneDescription& description, const BuildO
     notes.add(description.source(),
               "what the eye sees of bounding volumes changes nothing here: it chooses the `best` of a scene");
   add_notes_of_idle_bounds(description, options, notes);
+  if (h != Hierarchy::adaptive && !is_usual_octree(options))
+    notes.add(description.source(),
+              "options of octrees belong to an `adaptive` hierarchy, and change nothing here");
+  if (h == Hierarchy::adaptive && options.octree_data != OctreeData::hash &&
+      options.octree_hash != usual.octree_hash)
+    notes.add(description.source(),
+              "the places of a hash table change nothing here, as pointers lead to the data");
+  if (h != Hierarchy::regular && h != Hierarchy::adaptive && options.has_mailbox)
+    notes.add(description.source(),
+              "a mailbox belongs to cells (`regular`, `adaptive`), and changes nothing here");
+  // Of what is arranged otherwise, part files and structures, nobody knows here how often it is referred to.
+  if (h == Hierarchy::sah && options.quality == BuildQuality::high && description.libraries.empty() &&
+      description.structures.empty() && built > 0 && count_references(scene) == built)
+    notes.add(description.source(),
+              "a high build gains nothing here, and its volumes are those of a fast one: no primitive lies "
+              "so large across "
+              "the others that it pays to divide it among volumes");
 }
 
 }  // namespace
@@ -271,7 +301,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.notes = description.notes;
   parts.add_notes(result.notes);
   add_notes_of_built(description, options, result.notes);
-  add_notes_of_idle_options(description, options, purpose, result.notes);
+  add_notes_of_idle_options(description, options, purpose, result.scene, parts.built(), result.notes);
   if (purpose == Purpose::library)
     add_notes_of_idle(description, result.notes);
   else

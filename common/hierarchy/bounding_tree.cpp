@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/hierarchy/grid.h"
+#include "common/hierarchy/cells.h"
 
 namespace rayfarm {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "common/hierarchy/grid-inl.h"
 #include "common/hierarchy/object_walk-inl.h"
+#include "common/hierarchy/octree-inl.h"
 #include "common/hierarchy/walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -33,6 +34,8 @@ HWY_NOINLINE bool search_collection(const Scene& scene, const Collection& collec
       return search_grid(scene, collection, ray, instance, search);
     case Structure::object:
       return search_objects(scene, collection, ray, instance, search);
+    case Structure::adaptive:
+      return search_octree(scene, collection, ray, instance, search);
   }
   return false;
 }

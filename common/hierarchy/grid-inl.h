@@ -13,34 +13,11 @@
 #include <cmath>
 #include <limits>
 
-#include "common/hierarchy/grid.h"
-#include "common/hierarchy/leaf_tests-inl.h"
+#include "common/hierarchy/cells-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
 namespace HWY_NAMESPACE {
-
-/// The distances between which a ray is inside a box.
-struct Passage {
-  double begin, end;
-  bool is_empty() const { return !(begin <= end); }
-};
-
-HWY_INLINE Passage passage_through(const Box& box, const PrimitiveRay& ray) {
-  Passage passage{0, std::numeric_limits<double>::infinity()};
-  for (size_t i = 0; i < 3; ++i) {
-    const auto axis = static_cast<int>(i);
-    if (ray.direction[i] == 0) {
-      if (!(ray.origin[i] >= box.lo[axis] && ray.origin[i] <= box.hi[axis])) return {1, 0};
-      continue;
-    }
-    const double a = (box.lo[axis] - ray.origin[i]) / ray.direction[i],
-                 b = (box.hi[axis] - ray.origin[i]) / ray.direction[i];
-    passage.begin = std::max(passage.begin, std::min(a, b));
-    passage.end = std::min(passage.end, std::max(a, b));
-  }
-  return passage;
-}
 
 /// The cells that a ray passes, one after the other.
 class CellWalk {
@@ -90,17 +67,16 @@ template <typename Search>
 HWY_NOINLINE bool search_grid(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
                               uint32_t instance, Search& search) {
   const Grid& grid = scene.grids[collection.grid];
-  if (is_too_far_for_cells(grid, ray.origin_vector())) return search_list(collection, ray, instance, search);
+  if (is_too_far_for_cells(grid.box(), ray.origin_vector()))
+    return search_list(collection, ray, instance, search);
   const Passage passage = passage_through(with_margin(grid.box()), ray);
   if (passage.is_empty() || passage.begin > search.t_far()) return false;
   const auto ends = scene.grid_cells.subspan(grid.first_cell);
+  CellTests tests(scene, collection, ray, instance, search);
   CellWalk walk(grid, ray, passage.begin);
   do {
     const size_t cell = walk.cell();
-    if constexpr (Search::kCounts) search.count_cell();
-    for (const PrimitivePointer& pointer :
-         scene.primitive_pointers.subspan(ends[cell], ends[cell + 1] - ends[cell]))
-      if (search.test(pointer, ray, instance)) return true;
+    if (tests.test(ends[cell], ends[cell + 1] - ends[cell])) return true;
   } while (walk.exit() <= search.t_far() && walk.advance());
   return false;
 }

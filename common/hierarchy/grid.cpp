@@ -1,10 +1,9 @@
 #include "common/hierarchy/grid.h"
 
+#include "common/hierarchy/cells.h"
+
 namespace rayfarm {
 namespace {
-
-/// Of a box's largest coordinate.
-constexpr double kMargin = 1e-9;
 
 /// Calls visit(cell) for those that the primitive has a part in.
 template <typename Visit>
@@ -39,27 +38,9 @@ uint32_t cells_along_an_axis(size_t primitives, uint32_t asked_for) {
 
 }  // namespace
 
-Box with_margin(const Box& box) {
-  const Vec3 margin(kMargin * box.magnitude());
-  return {box.lo - margin, box.hi + margin};
-}
-
-bool is_too_far_for_cells(const Grid& grid, const Vec3& origin) {
-  return is_too_far(grid.box().magnitude(), origin);
-}
-
-bool is_too_far(double magnitude, const Vec3& origin) {
-  constexpr double kRoundings = 16;  // of a coordinate on the way: fewer, each of half a last bit
-  return kRoundings * std::numeric_limits<double>::epsilon() * (max_magnitude(origin) + magnitude) >
-         kMargin * magnitude;
-}
-
 uint32_t build_grid(const PrimitiveSource& source, std::span<const PrimitivePointer> pointers,
                     const BuildOptions& options, SceneArrays<GrowingArray>& arrays) {
-  Box box;
-  for (uint32_t i = 0; i < source.size(); ++i) box.grow(source.bounds(i));
-  // Of what is flat, cells have some thickness all the same.
-  box.hi = glm::max(box.hi, box.lo + Vec3(1e-6 * box.magnitude() + std::numeric_limits<double>::min()));
+  const Box box = thick_bounds(source);
   Grid grid;
   grid.cells.fill(cells_along_an_axis(source.size(), options.cells));
   grid.low = box.lo;

@@ -11,11 +11,4 @@ namespace rayfarm {
 uint32_t build_grid(const PrimitiveSource& source, std::span<const PrimitivePointer> pointers,
                     const BuildOptions& options, SceneArrays<GrowingArray>& arrays);
 
-/// The box, larger by what rounding on a ray's way through it may come to.
-Box with_margin(const Box& box);
-
-/// True if rounding may come to more for a ray from there. `magnitude`: the box's largest coordinate.
-bool is_too_far(double magnitude, const Vec3& origin);
-bool is_too_far_for_cells(const Grid& grid, const Vec3& origin);
-
 }  // namespace rayfarm

@@ -80,11 +80,7 @@ class ObjectWalk {
     for (const ChildRef& leaf : node.leaves) {
       if (leaf.count() == 0) continue;
       is_whole = false;
-      if constexpr (Search::kCounts) {
-        if (search_.test_object(leaf, ray, instance)) return true;
-      } else {
-        if (search_.test_leaf(leaf, ray, instance)) return true;
-      }
+      if (search_.test_leaf(leaf, ray, instance)) return true;
     }
     if (!is_whole) return false;
     const Collection& collection = scene_.parts[scene_.instances[instance].part].collection;

@@ -24,7 +24,13 @@ class Counting : public Search {
     for (const ChildRef& child : node.children) counts_->boxes += child.kind() != ChildKind::empty;
   }
 
-  void count_cell() { ++counts_->cells; }
+  void count_cell(bool is_empty) {
+    ++counts_->cells;
+    counts_->empty_cells += is_empty;
+  }
+  void count_tree_node() { ++counts_->tree_nodes; }
+  void count_chain_step() { ++counts_->chain_steps; }
+  void count_saved_test() { ++counts_->saved_tests; }
   void count(const BoundingVolume& volume) { ++counts_->bounds[static_cast<size_t>(volume.kind)]; }
   void count(const BoundingNode& node) {
     if (node.is_group()) ++counts_->groups;
@@ -34,30 +40,11 @@ class Counting : public Search {
 
   bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     ++counts_->leaves;
-    if (leaf.kind() == ChildKind::triangles)
-      for (const TriangleBlock& block : scene_->triangle_blocks.subspan(leaf.first, leaf.count()))
-        for (const PrimitiveId id : block.primitives) counts_->triangles += id != kNoPrimitive;
+    if (leaf.kind() == ChildKind::triangles) count_triangles(leaf);
     if (leaf.kind() == ChildKind::spheres)
       for (const SphereBlock& block : scene_->sphere_blocks.subspan(leaf.first, leaf.count()))
         for (const uint32_t sphere : block.spheres) counts_->spheres += sphere != kNone;
     if (leaf.kind() == ChildKind::mixed) return test_mixed(leaf, ray, instance);
-    return Search::test_leaf(leaf, ray, instance);
-  }
-
-  /// An object's primitives of a kind.
-  bool test_object(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
-    if (leaf.kind() == ChildKind::mixed) return test_mixed(leaf, ray, instance);
-    if (leaf.kind() == ChildKind::spheres)
-      for (const SphereBlock& block : scene_->sphere_blocks.subspan(leaf.first, leaf.count()))
-        for (const uint32_t sphere : block.spheres) counts_->spheres += sphere != kNone;
-    PrimitiveId last = kNoPrimitive;
-    if (leaf.kind() == ChildKind::triangles)
-      for (const TriangleBlock& block : scene_->triangle_blocks.subspan(leaf.first, leaf.count()))
-        for (const PrimitiveId id : block.primitives) {
-          if (id != last && id != kNoPrimitive)
-            ++(id.kind() == PrimitiveKind::triangle ? counts_->triangles : counts_->polygons);
-          last = id;
-        }
     return Search::test_leaf(leaf, ray, instance);
   }
 
@@ -75,6 +62,22 @@ class Counting : public Search {
   }
 
  private:
+  /// A primitive that was cut into triangles is one, wherever in the leaf they stand; in a long list they
+  /// stand one behind the other.
+  void count_triangles(const ChildRef& leaf) {
+    constexpr size_t kFarthest = 64;
+    std::vector<PrimitiveId>& seen = seen_;
+    seen.clear();
+    for (const TriangleBlock& block : scene_->triangle_blocks.subspan(leaf.first, leaf.count()))
+      for (const PrimitiveId id : block.primitives) {
+        if (id == kNoPrimitive) continue;
+        const auto begin = seen.end() - static_cast<ptrdiff_t>(std::min(seen.size(), kFarthest));
+        if (std::find(begin, seen.end(), id) != seen.end()) continue;
+        seen.push_back(id);
+        ++(id.kind() == PrimitiveKind::triangle ? counts_->triangles : counts_->polygons);
+      }
+  }
+
   /// One by one: what is in a collection is counted, not the collection.
   bool test_mixed(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
@@ -90,6 +93,7 @@ class Counting : public Search {
   }
 
   WalkCounts* counts_;
+  std::vector<PrimitiveId> seen_;
   const Scene* scene_;
 };
 

@@ -89,9 +89,11 @@ void shift(LuminaireTriangle& triangle, const ArrayOffsets&) {
 }
 
 void shift(Collection& collection, const ArrayOffsets& o) {
-  auto& [bounds, structure, grid, tree, padding, root, first_triangle_block, triangle_block_count,
-         first_sphere_block, sphere_block_count, first_leaf_primitive, leaf_primitive_count] = collection;
+  auto& [bounds, structure, grid, octree, has_mailbox, tree, padding, root, first_triangle_block,
+         triangle_block_count, first_sphere_block, sphere_block_count, first_leaf_primitive,
+         leaf_primitive_count] = collection;
   shift(grid, o.grids);
+  shift(octree, o.octrees);
   shift(tree, o.bounding_trees);
   shift(root, o);
   first_triangle_block += o.triangle_blocks;
@@ -114,6 +116,23 @@ void shift(BoundingNode& node, const ArrayOffsets& o) {
   first_child += o.bounding_nodes;
   first_volume += o.bounding_volumes;
   for (ChildRef& leaf : leaves) shift(leaf, o);
+}
+
+void shift(Octree& octree, const ArrayOffsets& o) {
+  auto& [low, unit, size, next, first_node, node_count, first_cell, cell_count, first_place, place_count] =
+      octree;
+  first_node += o.octree_nodes;
+  first_cell += o.octree_cells;
+  first_place += o.octree_hash;
+}
+
+void shift(OctreeNode& node, const ArrayOffsets&) {
+  [[maybe_unused]] auto& [size, center, child, sibling, is_divided] = node;
+}
+
+void shift(OctreeCell& cell, const ArrayOffsets& o) {
+  auto& [name, first_pointer, pointer_count, next, padding] = cell;
+  first_pointer += o.primitive_pointers;
 }
 
 void shift(PrimitivePointer& pointer, const ArrayOffsets& o) {

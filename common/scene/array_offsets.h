@@ -47,6 +47,9 @@ void shift(Grid& grid, const ArrayOffsets& offsets);
 void shift(BoundingTree& tree, const ArrayOffsets& offsets);
 void shift(BoundingNode& node, const ArrayOffsets& offsets);
 inline void shift(BoundingVolume&, const ArrayOffsets&) {}
+void shift(Octree& octree, const ArrayOffsets& offsets);
+void shift(OctreeNode& node, const ArrayOffsets& offsets);
+void shift(OctreeCell& cell, const ArrayOffsets& offsets);
 void shift(PrimitivePointer& pointer, const ArrayOffsets& offsets);
 void shift(PrimitiveId& id, const ArrayOffsets& offsets);
 void shift(SphereRecord& sphere, const ArrayOffsets& offsets);
@@ -68,7 +71,7 @@ void shift_element(T& element, const ArrayOffsets& offsets) {
     element += offsets.normals;
   else if constexpr (name == ArrayName::grid_cells)
     element += offsets.primitive_pointers;
-  else
+  else if constexpr (name != ArrayName::octree_hash)  // its numbers are the octree's own
     shift(element, offsets);
 }
 

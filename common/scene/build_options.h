@@ -14,9 +14,10 @@ enum class Hierarchy : uint8_t {
   thesis,   ///< volumes, divided into the octants about the centre of the data, straddling primitives clipped
             ///< (4.2.1.2)
   regular,  ///< equal cells (2.6.2; Ullner, Cleary)
-  brute,    ///< none: a ray tests all
-  object    ///< bounding volumes about the objects and groups of the scene (2.6.1; Weghorst, Hooper and
-            ///< Greenberg 1984)
+  adaptive,  ///< cells that are halved where they hold much: an octree (2.6.2; Glassner 1984)
+  brute,     ///< none: a ray tests all
+  object     ///< bounding volumes about the objects and groups of the scene (2.6.1; Weghorst, Hooper and
+             ///< Greenberg 1984)
 };
 
 /// The shapes of bounding volumes.
@@ -66,6 +67,19 @@ enum class BuildQuality : uint8_t {
   high       ///< up to 2
 };
 
+/// How an octree finds what a cell holds.
+enum class OctreeData : uint8_t {
+  hash,     ///< by the cell's name in a hash table (Glassner; thesis 2.6.2)
+  pointers  ///< from the cell's node
+};
+
+/// How an octree finds the next cell on a ray's way (Shirley, Sung and Brown, 2.3). All find the same.
+enum class OctreeNext : uint32_t {
+  root,  ///< from the root, by a point that is moved beyond the face (Glassner)
+  walk,  ///< by the same point, upward from the parent until it is inside, and down again (tree walking)
+  dda    ///< by steps of whole numbers across one face, from the smallest node that holds both cells
+};
+
 /// How far a build is, for those who watch it from another thread.
 struct BuildProgress {
   std::atomic<uint64_t> total = 0, done = 0;  ///< primitives
@@ -77,6 +91,11 @@ struct BuildOptions {
   BuildQuality quality = BuildQuality::balanced;  ///< of Hierarchy::sah
   uint32_t cells =
       0;  ///< of Hierarchy::regular, along each axis; 0: so that there are four for each primitive
+  OctreeData octree_data = OctreeData::hash;  ///< these four of Hierarchy::adaptive
+  OctreeNext octree_next = OctreeNext::root;
+  uint32_t octree_depth = 16;   ///< a cell may be as small as the whole halved so often
+  uint32_t octree_hash = 1000;  ///< places of the hash table (the thesis's number)
+  bool has_mailbox = false;     ///< cells remember what a ray has been tested with (of those two)
   ObjectOptions objects{};
   BuildProgress* progress = nullptr;
   std::stop_token stop{};  ///< a build that was asked to stop throws Stopped

@@ -1,5 +1,6 @@
 #include "common/scene/hierarchy_checks.h"
 
+#include <bit>
 #include <cmath>
 
 #include "common/scene/bounding_checks.h"
@@ -91,6 +92,54 @@ void check_grid(const Scene& s, const Grid& grid) {
   for (size_t i = 0; i < count; ++i) require(ends[i] <= ends[i + 1], "a cell's list");
 }
 
+/// Its cube is one of the parent's eight.
+void check_octant(const OctreeNode& child, const OctreeNode& parent) {
+  require(child.size == parent.size / 2, "an octree's octant");
+  for (size_t axis = 0; axis < 3; ++axis)
+    require(child.center[axis] == parent.center[axis] - child.size / 2 ||
+                child.center[axis] == parent.center[axis] + child.size / 2,
+            "an octree's octant");
+}
+
+/// Ways down end, and so do those along siblings and chains: what is next stands behind.
+void check_octree(const Scene& s, const Octree& octree) {
+  require(std::isfinite(octree.unit) && octree.unit > 0, "an octree's cube");
+  for (int axis = 0; axis < 3; ++axis) require(std::isfinite(octree.low[axis]), "an octree's cube");
+  require(std::has_single_bit(octree.size) && octree.size >= 2 && octree.size <= 2u << kMostOctreeDepth,
+          "an octree's size");
+  require(octree.next <= OctreeNext::dda, "an octree's way to the next cell");
+  check_range(s.octree_nodes.size(), octree.first_node, octree.node_count, "an octree's nodes");
+  check_range(s.octree_cells.size(), octree.first_cell, octree.cell_count, "an octree's cells");
+  check_range(s.octree_hash.size(), octree.first_place, octree.place_count, "an octree's hash table");
+  const auto nodes = s.octree_nodes.subspan(octree.first_node, octree.node_count);
+  require(!nodes.empty() && nodes[0].size == octree.size && nodes[0].sibling == kNone, "an octree's root");
+  for (const uint32_t center : nodes[0].center) require(center == octree.size / 2, "an octree's root");
+  std::vector<bool> is_child(nodes.size());
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    const OctreeNode& node = nodes[i];
+    if (node.is_divided == 0) {
+      require(octree.place_count > 0 ? node.child == kNone : node.child < octree.cell_count,
+              "an octree's cell");
+      continue;
+    }
+    require(node.size >= 4, "an octree's cell that is too small to be divided");
+    size_t previous = i;
+    for (uint32_t child = node.child; child != kNone; previous = child, child = nodes[child].sibling) {
+      require(child < nodes.size() && child > previous && !is_child[child], "an octree's node");
+      is_child[child] = true;
+      check_octant(nodes[child], node);
+    }
+  }
+  const auto cells = s.octree_cells.subspan(octree.first_cell, octree.cell_count);
+  for (size_t i = 0; i < cells.size(); ++i) {
+    check_range(s.primitive_pointers.size(), cells[i].first_pointer, cells[i].pointer_count, "a cell's list");
+    require(cells[i].next == kNone || (cells[i].next > i && cells[i].next < cells.size()),
+            "a chain of an octree's hash table");
+  }
+  for (const uint32_t cell : s.octree_hash.subspan(octree.first_place, octree.place_count))
+    require(cell == kNone || cell < cells.size(), "an octree's hash table");
+}
+
 void check_pointers(const Scene& s) {
   for (const PrimitivePointer p : s.primitive_pointers) {
     const uint32_t place = p.place();
@@ -121,6 +170,9 @@ void check_collection(const Scene& s, const Collection& c, size_t before, TreeCh
   require((c.structure == Structure::regular) == (c.grid != kNone) &&
               (c.grid == kNone || c.grid < s.grids.size()),
           "a collection's grid");
+  require((c.structure == Structure::adaptive) == (c.octree != kNone) &&
+              (c.octree == kNone || c.octree < s.octrees.size()),
+          "a collection's octree");
   volumes.check_root(c.root, false);
   check_range(s.triangle_blocks.size(), c.first_triangle_block, c.triangle_block_count,
               "a collection's triangles");
@@ -134,6 +186,7 @@ void check_collection(const Scene& s, const Collection& c, size_t before, TreeCh
 void check_collections(const Scene& s, TreeChecks& volumes) {
   for (size_t i = 0; i < s.collections.size(); ++i) check_collection(s, s.collections[i], i, volumes);
   for (const Grid& grid : s.grids) check_grid(s, grid);
+  for (const Octree& octree : s.octrees) check_octree(s, octree);
   check_pointers(s);
 }
 

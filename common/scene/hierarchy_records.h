@@ -12,10 +12,11 @@ namespace rayfarm {
 
 /// How the primitives of a collection are found.
 enum class Structure : uint32_t {
-  volumes,  ///< a tree of volumes (thesis 4.2)
-  list,     ///< one by one, all of them: for few primitives, and as the judge of the others
-  regular,  ///< in equal cells (thesis 2.6.2)
-  object    ///< in bounding volumes about objects (thesis 2.6.1)
+  volumes,   ///< a tree of volumes (thesis 4.2)
+  list,      ///< one by one, all of them: for few primitives, and as the judge of the others
+  regular,   ///< in equal cells (thesis 2.6.2)
+  adaptive,  ///< in an octree's cells (thesis 2.6.2; Glassner 1984)
+  object     ///< in bounding volumes about objects (thesis 2.6.1)
 };
 
 /// What a child slot of a volume node leads to. `meta` = kind << 29 | count.
@@ -87,6 +88,44 @@ struct Grid {
   size_t cell_count() const { return size_t{cells[0]} * cells[1] * cells[2]; }
   size_t index(uint32_t x, uint32_t y, uint32_t z) const { return (size_t{z} * cells[1] + y) * cells[0] + x; }
   Box box() const { return {low, low + cell * Vec3(cells[0], cells[1], cells[2])}; }
+};
+
+/// Of an octree: how often its cube may be halved, so that names of cells fit into 64 bits.
+inline constexpr uint32_t kMostOctreeDepth = 20;
+
+/// Of an octree's hash table.
+inline constexpr uint32_t kMostHashPlaces = 1'000'000;
+
+/// A cube that is halved about its centre, into eight, where it holds much. Lengths inside are counted in
+/// halves of the smallest edge that a cell may have, from the cube's corner.
+struct Octree {
+  Vec3 low{0};                                ///< the cube's corner
+  double unit = 0;                            ///< a half of the smallest edge
+  uint32_t size = 0;                          ///< of the cube, in units: a power of two
+  OctreeNext next = OctreeNext::root;         ///< how rays find their way
+  uint32_t first_node = 0, node_count = 0;    ///< in octree_nodes; the first is the root
+  uint32_t first_cell = 0, cell_count = 0;    ///< in octree_cells
+  uint32_t first_place = 0, place_count = 0;  ///< of the hash table, in octree_hash; none: by pointers
+  Box box() const { return {low, low + Vec3(unit * size)}; }
+};
+
+/// A node of the tree that tells how an octree was made (the thesis's construction tree). Octants without
+/// data have none. Indices are the octree's own.
+struct OctreeNode {
+  uint32_t size = 0;                 ///< its edges, in units
+  std::array<uint32_t, 3> center{};  ///< in units
+  uint32_t child = kNone;    ///< of one that is divided the first; else its cell, kNone where names find it
+  uint32_t sibling = kNone;  ///< the next octant with data; kNone behind the last
+  uint32_t is_divided = 0;
+};
+
+/// What an undivided node holds.
+struct OctreeCell {
+  uint64_t name = 0;           ///< of the root 1, of a child 8 × its parent's + octant
+  uint32_t first_pointer = 0;  ///< in primitive_pointers
+  uint32_t pointer_count = 0;
+  uint32_t next = kNone;  ///< the next cell at its place in the hash table
+  uint32_t padding = 0;
 };
 
 /// A shape about all that is in an object or group, larger by its tree's margin.

@@ -64,8 +64,10 @@ struct ObjectNode {
 struct Collection {
   Box bounds;
   Structure structure = Structure::volumes;
-  uint32_t grid = kNone;  ///< of a regular one
-  uint32_t tree = kNone;  ///< of bounding volumes, of one by objects
+  uint32_t grid = kNone;     ///< of a regular one
+  uint32_t octree = kNone;   ///< of an adaptive one
+  uint32_t has_mailbox = 0;  ///< 1: what rays were tested with in a cell is not tested in others
+  uint32_t tree = kNone;     ///< of bounding volumes, of one by objects
   uint32_t padding = 0;
   ChildRef root;  ///< of volumes; those of a list are one node at most
   // Its own primitives; those of a collection in it are not among them.
@@ -137,8 +139,12 @@ using ArrayView = std::span<const T>;
 template <typename T>
 using GrowingArray = LargeVector<T>;
 
+struct RayLog;
+
 /// A view of the block.
 struct Scene : SceneArrays<ArrayView> {
+  RayLog* ray_log = nullptr;  ///< where rays are written down as they are traced; seldom anywhere
+
   const SceneHeader& head() const { return header.front(); }
   std::span<const Vec3> points_of(const Polygon& p) const {
     return polygon_points.subspan(p.first_point, p.point_count);

@@ -8,14 +8,16 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
       {{"sah", Hierarchy::sah},
        {"thesis", Hierarchy::thesis},
        {"regular", Hierarchy::regular},
+       {"adaptive", Hierarchy::adaptive},
        {"brute", Hierarchy::brute},
        {"object", Hierarchy::object}},
       "how primitives are arranged: volumes that are split by the surface area heuristic "
-      "(sah), or about the centre of the data (thesis); equal cells (regular); not at all "
+      "(sah), or about the centre of the data (thesis); equal cells (regular); cells that are halved where "
+      "they hold much (adaptive); not at all "
       "(brute); bounding volumes about the scene's objects and groups (object); pictures are the same "
       "(default: sah)");
   options.number("--max-primitives", build.max_primitives, 1, 1000,
-                 "in a leaf of sah or thesis (default: 8)");
+                 "in a leaf of sah or thesis; a cell of adaptive that holds more is divided (default: 8)");
   options.choice<BuildQuality>(
       "--build", build.quality,
       {{"fast", BuildQuality::fast}, {"balanced", BuildQuality::balanced}, {"high", BuildQuality::high}},
@@ -24,6 +26,23 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
       "references a primitive on average, high up to 2 (default: balanced)");
   options.number("--cells", build.cells, 0, kMostCells,
                  "of regular: along each axis; 0: four cells for each primitive (default: 0)");
+  options.number("--octree-depth", build.octree_depth, 1, kMostOctreeDepth,
+                 "of adaptive: how often the whole may be halved (default: 16)");
+  options.choice<OctreeData>("--octree-data", build.octree_data,
+                             {{"hash", OctreeData::hash}, {"pointers", OctreeData::pointers}},
+                             "of adaptive: what a cell holds is found by the cell's name in a hash table, or "
+                             "from its node (default: hash)");
+  options.number("--octree-hash", build.octree_hash, 1, kMostHashPlaces,
+                 "of adaptive: places of the hash table (default: 1000)");
+  options.choice<OctreeNext>(
+      "--octree-next", build.octree_next,
+      {{"root", OctreeNext::root}, {"walk", OctreeNext::walk}, {"dda", OctreeNext::dda}},
+      "of adaptive: a ray's next cell is looked for from the root, from the parent upward, or by steps "
+      "across "
+      "faces (default: root)");
+  options.flag("--mailbox", build.has_mailbox,
+               "of regular and adaptive: a primitive that a ray was tested with in a cell is not tested with "
+               "it in others");
   ObjectOptions& objects = build.objects;
   options.choice<BoundChoice>(
       "--bounds", objects.bounds,

@@ -3,6 +3,7 @@
 #include "common/description/primitive_counts.h"
 #include "common/hierarchy/bounding_tree.h"
 #include "common/hierarchy/frame_state.h"
+#include "common/hierarchy/storage.h"
 #include "common/scene/references.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
@@ -55,6 +56,20 @@ void print_references(const Scene& scene) {
              static_cast<double>(count) / static_cast<double>(references.size()));
 }
 
+/// What cells weigh as the thesis counts it.
+void print_cells(const Scene& scene) {
+  GridStorage grids;
+  for (const Grid& grid : scene.grids) grids += storage_of(scene, grid);
+  if (!scene.grids.empty())
+    fmt::print("  cells of `regular` {}, of them {} empty, pointers {}: {} bytes by the thesis's Table 4.5\n",
+               grids.empty_cells + grids.full_cells, grids.empty_cells, grids.pointers, grids.bytes());
+  OctreeStorage octrees;
+  for (const Octree& octree : scene.octrees) octrees += storage_of(scene, octree);
+  if (!scene.octrees.empty())
+    fmt::print("  nodes of `adaptive` {}, pointers {}: {} bytes by the thesis's Table 4.5\n", octrees.nodes,
+               octrees.pointers, octrees.bytes());
+}
+
 int print_info(const std::string& path, const BuildOptions& build) {
   const SceneDescription scene = load_scene(path);
   const CompiledScene compiled = compile_and_look(scene, build);
@@ -76,6 +91,7 @@ int print_info(const std::string& path, const BuildOptions& build) {
     fmt::print("  nodes of objects and groups {}, pointers {}; by the thesis's formula {} bytes\n",
                sizes.nodes, sizes.pointers, sizes.bytes());
   }
+  print_cells(s);
   const bool moves = std::any_of(s.steps.begin(), s.steps.end(), [&](const TransformStepRecord& step) {
     return s.curves[step.curve].key_count > 1;
   });

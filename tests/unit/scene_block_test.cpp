@@ -142,7 +142,7 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
       compiled, &Scene::moving_instances, [](uint32_t& instance) { return instance = 0, true; },
       "an instance that says that it does not move");
   test::expect_refusal<Part>(
-      compiled, &Scene::parts, [](Part& part) { return part.collection.structure = Structure{3}, true; },
+      compiled, &Scene::parts, [](Part& part) { return part.collection.structure = Structure{99}, true; },
       "a part of no structure");
   Scene at_rest = compiled.scene;
   at_rest.moving_instances = {};

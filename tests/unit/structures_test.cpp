@@ -43,7 +43,11 @@ void expect_brute_force(const CompiledScene& compiled) {
 
 // Shirley, Sung and Brown, 2.3: collections nest, "a grid in an octree in a list".
 TEST(Structures, CollectionsNestInAnyOrder) {
-  const std::vector<std::string> names{"sah", "thesis", "{regular: {cells: 4}}", "brute",
+  const std::vector<std::string> names{"sah",
+                                       "thesis",
+                                       "{regular: {cells: 4}}",
+                                       "{adaptive: {max_primitives: 3, mailbox: true}}",
+                                       "brute",
                                        "{object: {bounds: sphere}}"};
   for (const std::string& outer : names)
     for (const std::string& inner : names)
@@ -103,6 +107,13 @@ TEST(Structures, MistakesAreToldWithTheirPlaces) {
   EXPECT_NE(error_of("{regular: {cells: 0}}").find("cells"), std::string::npos);
   EXPECT_NE(error_of("{brute: {cells: 3}}").find("cells"), std::string::npos);
   EXPECT_NE(error_of("{sah: {}, thesis: {}}").find("one name"), std::string::npos);
+  EXPECT_NE(error_of("{adaptive: {data: pointers, hash: 10}}").find("hash"), std::string::npos);
+  EXPECT_NE(error_of("{adaptive: {next: up}}").find("next"), std::string::npos);
+  EXPECT_NE(error_of("{adaptive: {depth: 21}}").find("depth"), std::string::npos);
+  EXPECT_NE(error_of("{brute: {mailbox: true}}").find("mailbox"), std::string::npos);
+  EXPECT_EQ(error_of("{adaptive: {max_primitives: 25, data: pointers, next: walk}}"), "");
+  EXPECT_EQ(error_of("{adaptive: {depth: 7, hash: 10, next: dda, mailbox: false}}"), "");
+  EXPECT_EQ(error_of("{regular: {mailbox: true}}"), "");
   EXPECT_EQ(error_of("{thesis: {max_primitives: 25}}"), "");
 }
 

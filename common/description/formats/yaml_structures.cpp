@@ -8,7 +8,7 @@ namespace rayfarm {
 namespace {
 
 const std::vector<std::string>& hierarchy_names() {  // in the order of Hierarchy
-  static const std::vector<std::string> names{"sah", "thesis", "regular", "brute", "object"};
+  static const std::vector<std::string> names{"sah", "thesis", "regular", "adaptive", "brute", "object"};
   return names;
 }
 
@@ -21,6 +21,18 @@ BoundChoice read_one_bound(const YamlValue& value, bool of_all) {
   if (of_all) return static_cast<BoundChoice>(value.choice({"sphere", "box", "cylinder", "slabs", "best"}));
   const size_t kind = value.choice({"sphere", "box", "cylinder", "slabs", "none"});
   return kind == 4 ? BoundChoice::none : static_cast<BoundChoice>(kind);
+}
+
+void read_octree(YamlMap& options, BuildOptions& build) {
+  if (auto v = options.find("max_primitives")) build.max_primitives = whole_number(*v, 1, 1000);
+  if (auto v = options.find("depth")) build.octree_depth = whole_number(*v, 1, int{kMostOctreeDepth});
+  if (auto v = options.find("data"))
+    build.octree_data = static_cast<OctreeData>(v->choice({"hash", "pointers"}));
+  if (build.octree_data == OctreeData::hash)
+    if (auto v = options.find("hash")) build.octree_hash = whole_number(*v, 1, int{kMostHashPlaces});
+  if (auto v = options.find("next"))
+    build.octree_next = static_cast<OctreeNext>(v->choice({"root", "walk", "dda"}));
+  if (auto v = options.find("mailbox")) build.has_mailbox = v->boolean();
 }
 
 }  // namespace
@@ -59,6 +71,10 @@ StructureDescription read_structure(const YamlValue& value) {
       break;
     case Hierarchy::regular:
       if (auto v = options.find("cells")) build.cells = whole_number(*v, 1, static_cast<int>(kMostCells));
+      if (auto v = options.find("mailbox")) build.has_mailbox = v->boolean();
+      break;
+    case Hierarchy::adaptive:
+      read_octree(options, build);
       break;
     case Hierarchy::brute:
       break;

@@ -1,0 +1,83 @@
+// What rays do in cells, of grids and octrees alike. Compiled once for each SIMD target.
+#if defined(RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
+#undef RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
+#else
+#define RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <limits>
+
+#include "common/hierarchy/cells.h"
+#include "common/hierarchy/leaf_tests-inl.h"
+#include "common/hierarchy/mailbox.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace rayfarm {
+namespace HWY_NAMESPACE {
+
+/// The distances between which a ray is inside a box.
+struct Passage {
+  double begin, end;
+  bool is_empty() const { return !(begin <= end); }
+};
+
+HWY_INLINE Passage passage_through(const Box& box, const PrimitiveRay& ray) {
+  Passage passage{0, std::numeric_limits<double>::infinity()};
+  for (size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<int>(i);
+    if (ray.direction[i] == 0) {
+      if (!(ray.origin[i] >= box.lo[axis] && ray.origin[i] <= box.hi[axis])) return {1, 0};
+      continue;
+    }
+    const double a = (box.lo[axis] - ray.origin[i]) / ray.direction[i],
+                 b = (box.hi[axis] - ray.origin[i]) / ray.direction[i];
+    passage.begin = std::max(passage.begin, std::min(a, b));
+    passage.end = std::min(passage.end, std::max(a, b));
+  }
+  return passage;
+}
+
+/// Tests the lists of cells on a ray's way, with a mailbox each primitive once (Shirley, Sung and
+/// Brown, 2.3).
+template <typename Search>
+class CellTests {
+ public:
+  HWY_INLINE CellTests(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
+                       uint32_t instance, Search& search)
+      : scene_(scene),
+        ray_(ray),
+        instance_(instance),
+        search_(search),
+        mailbox_(collection.has_mailbox != 0 ? &Mailbox::of_this_thread() : nullptr) {
+    if (mailbox_) search_number_ = mailbox_->begin_search(scene);
+  }
+  /// The primitives that a cell lists. True: the search is over.
+  HWY_INLINE bool test(uint32_t first_pointer, uint32_t count) {
+    if constexpr (Search::kCounts) search_.count_cell(count == 0);
+    for (const PrimitivePointer& pointer : scene_.primitive_pointers.subspan(first_pointer, count)) {
+      if (mailbox_ && !mailbox_->take(pointer, search_number_)) {
+        if constexpr (Search::kCounts) search_.count_saved_test();
+        continue;
+      }
+      if (search_.test(pointer, ray_, instance_)) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Scene& scene_;
+  const PrimitiveRay& ray_;
+  uint32_t instance_;
+  Search& search_;
+  Mailbox* mailbox_;  ///< none: tests are made again
+  uint64_t search_number_ = 0;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rayfarm
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

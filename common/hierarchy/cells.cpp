@@ -1,0 +1,33 @@
+#include "common/hierarchy/cells.h"
+
+namespace rayfarm {
+namespace {
+
+/// Of a box's largest coordinate.
+constexpr double kMargin = 1e-9;
+
+}  // namespace
+
+Box thick_bounds(const PrimitiveSource& source) {
+  Box box;
+  for (uint32_t i = 0; i < source.size(); ++i) box.grow(source.bounds(i));
+  box.hi = glm::max(box.hi, box.lo + Vec3(1e-6 * box.magnitude() + std::numeric_limits<double>::min()));
+  return box;
+}
+
+Box with_margin(const Box& box) {
+  const Vec3 margin(kMargin * box.magnitude());
+  return {box.lo - margin, box.hi + margin};
+}
+
+bool is_too_far(double magnitude, const Vec3& origin) {
+  constexpr double kRoundings = 16;  // of a coordinate on the way: fewer, each of half a last bit
+  return kRoundings * std::numeric_limits<double>::epsilon() * (max_magnitude(origin) + magnitude) >
+         kMargin * magnitude;
+}
+
+bool is_too_far_for_cells(const Box& box, const Vec3& origin) {
+  return is_too_far(box.magnitude(), origin);
+}
+
+}  // namespace rayfarm

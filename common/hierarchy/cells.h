@@ -1,0 +1,19 @@
+#pragma once
+// What cells of grids and octrees have in common: boxes that list the primitives with a part in them.
+#include "common/hierarchy/builder.h"
+
+namespace rayfarm {
+
+/// The bounds of all primitives; of what is flat, with some thickness all the same.
+Box thick_bounds(const PrimitiveSource& source);
+
+/// The box, larger by what rounding on a ray's way through it may come to.
+Box with_margin(const Box& box);
+
+/// True if rounding may come to more for a ray from there. `magnitude`: the box's largest coordinate.
+bool is_too_far(double magnitude, const Vec3& origin);
+
+/// The same of cells in `box`.
+bool is_too_far_for_cells(const Box& box, const Vec3& origin);
+
+}  // namespace rayfarm

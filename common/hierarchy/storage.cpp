@@ -1,0 +1,37 @@
+#include "common/hierarchy/storage.h"
+
+namespace rayfarm {
+
+GridStorage& GridStorage::operator+=(const GridStorage& other) {
+  empty_cells += other.empty_cells;
+  full_cells += other.full_cells;
+  pointers += other.pointers;
+  return *this;
+}
+
+OctreeStorage& OctreeStorage::operator+=(const OctreeStorage& other) {
+  nodes += other.nodes;
+  pointers += other.pointers;
+  hash_places += other.hash_places;
+  return *this;
+}
+
+GridStorage storage_of(const Scene& scene, const Grid& grid) {
+  GridStorage storage;
+  for (size_t i = 0; i < grid.cell_count(); ++i) {
+    const uint32_t pointers =
+        scene.grid_cells[grid.first_cell + i + 1] - scene.grid_cells[grid.first_cell + i];
+    ++(pointers == 0 ? storage.empty_cells : storage.full_cells);
+    storage.pointers += pointers;
+  }
+  return storage;
+}
+
+OctreeStorage storage_of(const Scene& scene, const Octree& octree) {
+  OctreeStorage storage{octree.node_count, 0, octree.place_count};
+  for (const OctreeCell& cell : scene.octree_cells.subspan(octree.first_cell, octree.cell_count))
+    storage.pointers += cell.pointer_count;
+  return storage;
+}
+
+}  // namespace rayfarm

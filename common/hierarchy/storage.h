@@ -1,0 +1,25 @@
+#pragma once
+// What hierarchies of cells weigh as the thesis counts it (Tables 4.4 and 4.5): its nodes and pointers, not
+// this program's records.
+#include "common/scene/scene.h"
+
+namespace rayfarm {
+
+/// "An array of pointers", and those in the lists: 4 bytes each.
+struct GridStorage {
+  uint64_t empty_cells = 0, full_cells = 0, pointers = 0;
+  uint64_t bytes() const { return 4 * (empty_cells + full_cells + pointers); }
+  GridStorage& operator+=(const GridStorage& other);
+};
+
+/// Nodes of 24 bytes; pointers, those of the hash table too, of 4.
+struct OctreeStorage {
+  uint64_t nodes = 0, pointers = 0, hash_places = 0;
+  uint64_t bytes() const { return 24 * nodes + 4 * (pointers + hash_places); }
+  OctreeStorage& operator+=(const OctreeStorage& other);
+};
+
+GridStorage storage_of(const Scene& scene, const Grid& grid);
+OctreeStorage storage_of(const Scene& scene, const Octree& octree);
+
+}  // namespace rayfarm
