@@ -133,7 +133,7 @@ struct BoundingVolume {
   VolumeKind kind = VolumeKind::sphere;
   uint32_t padding = 0;
   /// Sphere: centre, radius. Box: low corner, high corner. Cylinder: the axis's middle, its direction (a unit
-  /// vector), radius, half its height. Slabs: the least and the greatest distance along each of kSlabNormals.
+  /// vector), radius, half its height. Slabs: the least and the greatest distance along each of the normals.
   std::array<double, 14> numbers{};
 };
 
