@@ -131,7 +131,7 @@ TEST(SceneBlock, WhatWouldReadOutsideIsRefused) {
       compiled, &Scene::mesh_faces, [](MeshFace& f) { return f.smoothing = 9, true; },
       "a face of no smoothing");
   test::expect_refusal<uint32_t>(
-      compiled, &Scene::face_corners, [](uint32_t& corner) { return corner = 4, true; }, "a face's corner");
+      compiled, &Scene::face_corners, [](uint32_t& corner) { return corner = 99, true; }, "a face's corner");
   test::expect_refusal<uint32_t>(
       compiled, &Scene::face_normals, [](uint32_t& normal) { return normal = 1u << 20, true; },
       "a face's normal");
