@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "common/errors/input_error.h"
+#include "common/memory/address_space.h"
 #include "host/commands/commands.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
@@ -116,6 +117,7 @@ int run(const Request& request, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  share_heap_if_limited();
   hold_standard_streams();
   int code = kRenderFailure;
   try {

@@ -9,6 +9,7 @@
 #include "common/compile/spectra.h"
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
+#include "common/scene/references.h"
 
 namespace rayfarm {
 namespace {
@@ -60,6 +61,7 @@ class PartCompiler {
   const Luminaires& luminaires() const { return luminaires_; }
   std::span<const std::vector<Luminous>> luminous_of() const { return luminous_of_; }  ///< by part
   std::span<const uint32_t> part_of() const { return part_of_; }                       ///< by object
+  size_t built() const { return built_; }  ///< primitives that were given to the builder
   void add_notes(Notes& notes) const {
     shapes_.add_notes(notes);
     luminaires_.add_notes(description_, notes);
@@ -99,6 +101,7 @@ class PartCompiler {
     if (std::all_of(groups.begin(), groups.end(),
                     [](const PrimitiveGroup& g) { return g.primitives.ids.empty(); }))
       return;
+    for (const PrimitiveGroup& g : groups) built_ += g.primitives.ids.size();
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     arrays_.parts.push_back(
         build_part(arrays_, groups, description_.structures, options_, is_structure_used_));
@@ -126,6 +129,7 @@ class PartCompiler {
   Purpose purpose_;
   Luminaires luminaires_;
   ShapeCompiler shapes_;
+  size_t built_ = 0;
   std::vector<std::optional<uint32_t>> libraries_;  ///< where the parts of each begin, once they are there
   std::vector<bool> is_structure_used_;
   std::vector<uint32_t> part_of_;
@@ -173,7 +177,7 @@ void add_notes_of_built(const SceneDescription& description, const BuildOptions&
 
 /// Options of hierarchies that are not the one that was asked for.
 void add_notes_of_idle_options(const SceneDescription& description, const BuildOptions& options,
-                               Notes& notes) {
+                               const Scene& scene, size_t built, Notes& notes) {
   const BuildOptions usual;
   const Hierarchy h = options.hierarchy;
   if (h != Hierarchy::sah && options.quality != usual.quality)
@@ -197,6 +201,13 @@ void add_notes_of_idle_options(const SceneDescription& description, const BuildO
   if (h != Hierarchy::regular && h != Hierarchy::adaptive && options.has_mailbox)
     notes.add(description.source(),
               "a mailbox belongs to cells (`regular`, `adaptive`), and changes nothing here");
+  // Of what is arranged otherwise, part files and structures, nobody knows here how often it is referred to.
+  if (h == Hierarchy::sah && options.quality == BuildQuality::high && description.libraries.empty() &&
+      description.structures.empty() && built > 0 && count_references(scene) == built)
+    notes.add(description.source(),
+              "a high build gains nothing here, and its volumes are those of a fast one: no primitive lies "
+              "so large across "
+              "the others that it pays to divide it among volumes");
 }
 
 }  // namespace
@@ -226,7 +237,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.notes = description.notes;
   parts.add_notes(result.notes);
   add_notes_of_built(description, options, result.notes);
-  add_notes_of_idle_options(description, options, result.notes);
+  add_notes_of_idle_options(description, options, result.scene, parts.built(), result.notes);
   if (purpose == Purpose::library)
     add_notes_of_idle(description, result.notes);
   else

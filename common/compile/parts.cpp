@@ -15,27 +15,35 @@ Box sphere_box(const SphereRecord& s) {
 template <typename Point>
 void chop_polygon(std::span<const Point> points, const Slabs& slabs, size_t first, size_t last,
                   Bounds* pieces) {
-  using Number = typename Point::value_type;
-  const auto axis = static_cast<int>(slabs.axis);
-  const auto grow = [&](size_t slab, const Point& p) {
-    if (slab < first || slab > last) return;
-    const std::array<float, 4> at{static_cast<float>(p[0]), static_cast<float>(p[1]),
-                                  static_cast<float>(p[2]), 0};
-    pieces[slab].grow(at.data(), at.data());
+  const size_t axis = slabs.axis;
+  const auto lanes = [](const Point& p) {
+    return FourFloats{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), 0};
   };
-  for (size_t k = 0; k < points.size(); ++k) {
-    const Point &p = points[k], &q = points[k + 1 < points.size() ? k + 1 : 0];
-    const size_t from = slabs.index(static_cast<float>(p[axis])),
-                 to = slabs.index(static_cast<float>(q[axis]));
-    grow(from, p);
-    for (size_t i = std::min(from, to); i < std::max(from, to); ++i) {
-      const auto plane = static_cast<Number>(slabs.plane(i + 1));
-      const Number t = (plane - p[axis]) / (q[axis] - p[axis]);
-      Point crossing = p + std::clamp<Number>(t, 0, 1) * (q - p);
-      crossing[axis] = plane;
-      grow(i, crossing);
-      grow(i + 1, crossing);
+  const auto along = [axis](const Point& p) { return static_cast<float>(p[static_cast<int>(axis)]); };
+  FourFloats p = lanes(points.back());
+  float p_along = along(points.back());
+  size_t at_p = slabs.index(p_along);
+  for (const Point& point : points) {
+    const FourFloats q = lanes(point);
+    const float q_along = along(point);
+    const size_t at_q = slabs.index(q_along);
+    if (first <= at_q && at_q <= last) pieces[at_q].grow(q, q);
+    // From plane i one comes from slab i - 1 into slab i.
+    const size_t begin = std::max(std::min(at_p, at_q) + 1, first),
+                 end = std::min(std::max(at_p, at_q), last + 1);
+    if (begin <= end) {
+      const FourFloats way = q - p;
+      const float per_way = 1 / (q_along - p_along);
+      for (size_t i = begin; i <= end; ++i) {
+        const float t = std::clamp((slabs.plane(i) - p_along) * per_way, 0.0f, 1.0f);
+        const FourFloats crossing = p + t * way;
+        if (i > first) pieces[i - 1].grow(crossing, crossing);
+        if (i <= last) pieces[i].grow(crossing, crossing);
+      }
     }
+    p = q;
+    p_along = q_along;
+    at_p = at_q;
   }
 }
 

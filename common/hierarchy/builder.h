@@ -20,10 +20,11 @@ struct Slabs {
   size_t axis;
   float origin, width;
   size_t count;
+  float per_width = 1 / width;
 
   float plane(size_t i) const { return origin + static_cast<float>(i) * width; }  ///< where slab i begins
   size_t index(float x) const {
-    const float i = (x - origin) / width;
+    const float i = (x - origin) * per_width;
     return i > 0 ? static_cast<size_t>(std::min(i, static_cast<float>(count - 1))) : 0;
   }
   /// False if rounding makes planes coincide.

@@ -1,7 +1,6 @@
 #include "common/hierarchy/traverser.h"
 
-#include <bit>
-#include <cmath>
+#include "common/hierarchy/ray_log.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "common/hierarchy/traverser.cpp"
@@ -92,19 +91,32 @@ HWY_EXPORT(find_closest_of_packet);
 HWY_EXPORT(find_any_of_packet);
 HWY_EXPORT(find_closest_brute_force);
 
+namespace {
+
+/// Those `among` the packet's rays.
+void add_packet(std::vector<Ray>& log, const RayPacket& rays, uint32_t among) {
+  for_each_lane(among, [&](size_t i) { log.push_back({rays.origin(i), rays.direction(i), rays.t_max[i]}); });
+}
+
+}  // namespace
+
 Hit closest_hit(const Scene& scene, const Pose& pose, const Ray& ray) {
+  if (scene.ray_log) scene.ray_log->closest.push_back(ray);
   return HWY_DYNAMIC_DISPATCH(find_closest)(scene, pose, ray);
 }
 
 bool any_hit(const Scene& scene, const Pose& pose, const Ray& ray) {
+  if (scene.ray_log) scene.ray_log->any.push_back(ray);
   return HWY_DYNAMIC_DISPATCH(find_any)(scene, pose, ray);
 }
 
 void closest_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, Hit* hits) {
+  if (scene.ray_log) add_packet(scene.ray_log->closest, rays, rays.all());
   HWY_DYNAMIC_DISPATCH(find_closest_of_packet)(scene, pose, rays, hits);
 }
 
 uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among) {
+  if (scene.ray_log) add_packet(scene.ray_log->any, rays, among);
   return HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays, among);
 }
 

@@ -34,9 +34,7 @@ class Counting : public Search {
 
   bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     ++counts_->leaves;
-    if (leaf.kind() == ChildKind::triangles)
-      for (const TriangleBlock& block : scene_->triangle_blocks.subspan(leaf.first, leaf.count()))
-        for (const PrimitiveId id : block.primitives) counts_->triangles += id != kNoPrimitive;
+    if (leaf.kind() == ChildKind::triangles) count_triangles(leaf);
     if (leaf.kind() == ChildKind::spheres)
       for (const SphereBlock& block : scene_->sphere_blocks.subspan(leaf.first, leaf.count()))
         for (const uint32_t sphere : block.spheres) counts_->spheres += sphere != kNone;
@@ -58,6 +56,22 @@ class Counting : public Search {
   }
 
  private:
+  /// A primitive that was cut into triangles is one, wherever in the leaf they stand; in a long list they
+  /// stand one behind the other.
+  void count_triangles(const ChildRef& leaf) {
+    constexpr size_t kFarthest = 64;
+    std::vector<PrimitiveId>& seen = seen_;
+    seen.clear();
+    for (const TriangleBlock& block : scene_->triangle_blocks.subspan(leaf.first, leaf.count()))
+      for (const PrimitiveId id : block.primitives) {
+        if (id == kNoPrimitive) continue;
+        const auto begin = seen.end() - static_cast<ptrdiff_t>(std::min(seen.size(), kFarthest));
+        if (std::find(begin, seen.end(), id) != seen.end()) continue;
+        seen.push_back(id);
+        ++(id.kind() == PrimitiveKind::triangle ? counts_->triangles : counts_->polygons);
+      }
+  }
+
   /// One by one: what is in a collection is counted, not the collection.
   bool test_mixed(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
@@ -73,6 +87,7 @@ class Counting : public Search {
   }
 
   WalkCounts* counts_;
+  std::vector<PrimitiveId> seen_;
   const Scene* scene_;
 };
 

@@ -16,8 +16,8 @@ struct WalkCounts {
   uint64_t chain_steps = 0;  ///< entries of octrees' hash tables that names were compared with
   uint64_t saved_tests = 0;  ///< of primitives, that a mailbox made needless
   uint64_t leaves = 0;       ///< of volumes and lists
-  // Primitives that were tested, or stand in leaves that were visited. In a cell's list a polygon is one, in
-  // leaves it is the triangles that it was cut into.
+  // Primitives that were tested, or stand in leaves that were visited; a polygon is one, whatever it was cut
+  // into.
   uint64_t triangles = 0, spheres = 0, polygons = 0, quadrics = 0;
 
   uint64_t primitives() const { return triangles + spheres + polygons + quadrics; }

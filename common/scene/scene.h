@@ -134,8 +134,12 @@ using ArrayView = std::span<const T>;
 template <typename T>
 using GrowingArray = LargeVector<T>;
 
+struct RayLog;
+
 /// A view of the block.
 struct Scene : SceneArrays<ArrayView> {
+  RayLog* ray_log = nullptr;  ///< where rays are written down as they are traced; seldom anywhere
+
   const SceneHeader& head() const { return header.front(); }
   std::span<const Vec3> points_of(const Polygon& p) const {
     return polygon_points.subspan(p.first_point, p.point_count);

@@ -3,6 +3,7 @@
 #include "host/commands/commands.h"
 #include "host/experiments/colour/colour_experiment.h"
 #include "host/experiments/depth/depth_experiment.h"
+#include "host/experiments/hierarchies/hierarchies_experiment.h"
 #include "host/experiments/lighting/lighting_experiment.h"
 #include "host/experiments/net-load/net_load_experiment.h"
 #include "host/experiments/sampling/sampling_experiment.h"
@@ -21,6 +22,7 @@ int run_experiment(const ExperimentChoice& choice, const Renders& renders) {
   ExperimentOptions options = choice.options;
   if (options.output.empty()) options.output = "out/" + choice.name;
   if (choice.name == "depth") return run_depth_experiment(options, renders.here);
+  if (choice.name == "hierarchies") return run_hierarchies_experiment(options);
   if (choice.name == "net-load") return run_net_load_experiment(options, renders.here);
   if (choice.name == "sampling") return run_sampling_experiment(options, renders.here);
   if (choice.name == "smoothing") return run_smoothing_experiment(options);
@@ -46,10 +48,11 @@ void add_experiment_command(CommandLine& line) {
   options
       .word(
           "NAME", [choice = choice.get()](const std::string& name) { choice->name = name; },
-          {"colour", "depth", "lighting", "net-load", "sampling", "smoothing", "working-sets"},
+          {"colour", "depth", "hierarchies", "lighting", "net-load", "sampling", "smoothing", "working-sets"},
           "colour: RGB and spectra at 4, 20 and any wavelengths, section 2.1 of Shirley, Sung and Brown; "
           "depth: "
-          "limits of the lighting tree, section 2.3.4; lighting: the pictures of the thesis's chapter 3; "
+          "limits of the lighting tree, section 2.3.4; hierarchies: what arranging primitives costs and "
+          "saves, chapter 4; lighting: the pictures of the thesis's chapter 3; "
           "net-load: processor counts against the net's load, section 4.4.4.2; sampling: the accuracy of "
           "patterns, section 2.2.1 of Shirley, Sung and Brown; smoothing: the light of a turning mesh, "
           "section "

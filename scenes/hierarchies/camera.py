@@ -1,8 +1,10 @@
 """Weghorst, Hooper and Greenberg's Camera (Figure 7, Table VI). Lengths in centimetres; the lens looks along z."""
 import math
 
-from shapes import box, cluster, disc, frustum, item, lathe, mesh, move, on_circle, prism, quad, rounded, sphere, view
+from placing import move
 from polyhedra import torus
+from shapes import box, cluster, disc, frustum, item, lathe, mesh, prism, quad, sphere, view
+from vectors import on_circle, rounded
 
 AXIS = 4.3  # height of the lens's axis
 
@@ -12,9 +14,9 @@ def on_axis(z):
     return move(("x", 90), (0, AXIS, z))
 
 
-def tube(sides, inner, outer, low, high, smooth=None):
+def tube(sides, inner, outer, low, high):
     """A ring of 4 x sides polygons."""
-    return lathe(sides, (outer, low), (outer, high), (inner, high), (inner, low), (outer, low), smooth=smooth)
+    return lathe(sides, (outer, low), (outer, high), (inner, high), (inner, low), (outer, low))
 
 
 def strap(quads):
@@ -75,7 +77,7 @@ def camera():
         item("aperture ring", "black", tube(24, 2.0, 3.0, 0, 0.8), at=on_axis(2.3)),
         item("scale ring", "chrome", tube(24, 2.0, 3.1, 0, 0.35), at=on_axis(3.1)),
         item("focus ring", "rubber", prism(knurled, 0, 1.5), at=on_axis(3.45)),
-        item("barrel", "black", tube(28, 2.45, 3.0, 0, 1.1, smooth="phong"), at=on_axis(4.95)),
+        item("barrel", "black", tube(28, 2.45, 3.0, 0, 1.1), at=on_axis(4.95)),
         item("bezel", "chrome", tube(28, 2.3, 2.75, 0, 0.2), at=on_axis(5.95)),
         item("glass", "coated", sphere((0, AXIS, 3.35), 2.55)))
     film = cluster(
@@ -87,7 +89,7 @@ def camera():
         item("box", "yellow", box((-1.6, 0, -5.6), (1.6, 5.2, -2.4))), at=move(("y", -28), (9.3, 0, 4.6)))
     cap = cluster(
         "cap",
-        item("lens cap", "black", lathe(28, (0, 0.55), (2.3, 0.55), (2.5, 0.75), (2.9, 0.75), (3.0, 0.6), (3.0, 0.0), smooth="phong")),
+        item("lens cap", "black", lathe(28, (0, 0.55), (2.3, 0.55), (2.5, 0.75), (2.9, 0.75), (3.0, 0.6), (3.0, 0.0))),
         item("cap clip left", "chrome", box((-2.2, 0.56, -0.6), (-1.6, 0.8, 0.6))),
         item("cap clip right", "chrome", box((1.6, 0.56, -0.6), (2.2, 0.8, 0.6))),
         at=move(("y", 35), (1.2, 0, 10.2)))

@@ -1,7 +1,8 @@
 """Weghorst, Hooper and Greenberg's Office (Figure 8, Table VII), a corner of a room. Lengths in metres."""
-from shapes import add, box, circle, cluster, disc, frustum, item, lathe, mesh, move, of, on_circle, polygon, \
-    prism, quad, rounded, sphere, times, view
+from placing import move, moved
 from polyhedra import torus
+from shapes import box, cluster, disc, frustum, item, lathe, mesh, of, polygon, prism, quad, sphere, view
+from vectors import add, circle, rounded, times
 
 X0, X1, Z0, Z1, H = -2.3, 2.3, -2.0, 3.0, 2.7
 TOP = 0.75  # height of the desk
@@ -67,7 +68,7 @@ def desk():
         item("lower arm", "red", bar((0, 0.03, 0), (0.13, 0.32, 0), 0.009)),
         item("upper arm", "red", bar((0.13, 0.32, 0), (-0.13, 0.5, 0), 0.009)),
         item("joint", "brass", disc(12, 0.02, -0.02, 0.02), at=move(("x", 90), (0.13, 0.32, 0))),
-        item("lamp shade", "red", lathe(36, (0.035, 0.1), (0.045, 0.1), (0.11, 0.0), (0.103, 0.0), (0.035, 0.1), smooth="phong"),
+        item("lamp shade", "red", lathe(36, (0.035, 0.1), (0.045, 0.1), (0.11, 0.0), (0.103, 0.0), (0.035, 0.1)),
              at=move(("z", -20), (-0.16, 0.42, 0))),
         item("bulb", "lamp", sphere((-0.145, 0.455, 0), 0.03)), at=move(("y", 30), (0.52, TOP, -1.5)))
     dial = lathe(28, (0, 0.0), (0.045, 0.0), (0.045, 0.012), (0, 0.016))
@@ -76,7 +77,7 @@ def desk():
                     item("handset", "black", box((-0.08, 0.09, -0.05), (0.08, 0.115, -0.015)),
                          *(prism(circle(0.034, 32, (x, -0.03)), 0.075, 0.12) for x in (-0.095, 0.095))),
                     at=move(("y", -25), (0.42, TOP, -1.12)))
-    mug = lathe(28, (0, 0), (0.038, 0), (0.042, 0.01), (0.042, 0.1), (0.036, 0.1), (0.036, 0.015), (0, 0.015), smooth="phong")
+    mug = lathe(28, (0, 0), (0.038, 0), (0.042, 0.01), (0.042, 0.1), (0.036, 0.1), (0.036, 0.015), (0, 0.015))
     stationery = cluster("stationery", item("mug", "blue", mug, at=move((0.05, TOP, -1.08))),
                          item("book", "green", box((-0.12, 0, -0.09), (0.12, 0.035, 0.09)), at=move(("y", 20), (-0.9, TOP, -1.15))),
                          item("cup", "brass", lathe(24, (0, 0), (0.035, 0), (0.042, 0.1), (0.036, 0.1), (0, 0.01)),
@@ -89,13 +90,7 @@ def desk():
 
 def chair():
     arm = prism([(0.03, -0.03), (0.3, -0.018), (0.3, 0.018), (0.03, 0.03)], 0.06, 0.09)
-    points, faces = [], []
-    for k in range(5):
-        first = len(points)
-        for x, y, z in arm["polygons"]["points"]:
-            cx, sx = on_circle(1, 72 * k)
-            points.append((cx * x + sx * z, y, -sx * x + cx * z))
-        faces += [tuple(first + i for i in face) for face in arm["polygons"]["faces"]]
+    arms = [moved(arm, move(("y", 72 * k))) for k in range(5)]
     casters = [item(f"caster {k + 1}", "black", disc(16, 0.03, -0.015, 0.015),
                     at=move(("x", 90), (0.28, 0.03, 0), ("y", 72 * k))) for k in range(5)]
     return cluster("chair", item("seat", "fabric", prism(rounded(0.5, 0.48, 0.12, 8), 0.43, 0.5)),
@@ -103,7 +98,7 @@ def chair():
                         at=move(("x", 90), ("x", -8), (0, 0.84, 0.25))),
                    item("spine", "steel", bar((0, 0.42, 0.2), (0, 0.86, 0.3), 0.02)),
                    item("post", "steel", disc(20, 0.03, 0.08, 0.43)),
-                   cluster("wheels", item("star", "steel", mesh(points, faces)), *casters), at=move(("y", -152), (-0.1, 0.012, -0.25)))
+                   cluster("wheels", item("star", "steel", *arms), *casters), at=move(("y", -152), (-0.1, 0.012, -0.25)))
 
 
 def shelves():
@@ -127,7 +122,7 @@ def cabinet():
     drawers = [item(f"file drawer {k + 1}", "steel", box((x0 + 0.03, 0.06 + 0.55 * k, z1), (x1 - 0.03, 0.58 + 0.55 * k, z1 + 0.015)),
                     box((x0 + 0.2, 0.42 + 0.55 * k, z1 + 0.015), (x1 - 0.2, 0.45 + 0.55 * k, z1 + 0.04))) for k in range(2)]
     globe = cluster("globe", item("globe foot", "dark wood",
-                                  lathe(32, (0, 0), (0.1, 0), (0.1, 0.02), (0.03, 0.05), (0.015, 0.1), (0, 0.1), smooth="phong")),
+                                  lathe(32, (0, 0), (0.1, 0), (0.1, 0.02), (0.03, 0.05), (0.015, 0.1), (0, 0.1))),
                     item("meridian", "brass", mesh(*torus(32, 5, 0.04)), at=move(0.2, ("x", 90), ("y", 20), (0, 0.29, 0))),
                     item("earth", "earth", sphere((0, 0.29, 0), 0.17)), at=move(((x0 + x1) / 2, 1.16, (z0 + z1) / 2)))
     return cluster("cabinet", item("cabinet case", "steel", box((x0, 0, z0), (x1, 1.16, z1))), *drawers, globe)
@@ -151,7 +146,7 @@ def office():
                    {"position": (1.9, 2.2, 2.7), "color": (0.85, 0.92, 1), "intensity": 0.2}],
         "textures": {"boards": {"kind": "boards", "first": (0.5, 0.31, 0.16), "second": (0.38, 0.21, 0.1), "scale": 0.11, "aspect": 8,
                                 "gap": 0.02},
-                     "continents": {"kind": "noise", "first": (0.06, 0.2, 0.5), "second": (0.75, 0.65, 0.35), "scale": 0.16,
+                     "continents": {"kind": "noise", "seed": 5, "first": (0.06, 0.2, 0.5), "second": (0.75, 0.65, 0.35), "scale": 0.16,
                                     "octaves": 4, "strength": 1}},
         "materials": {
             "wall": {"color": (0.78, 0.74, 0.64), **matt}, "ceiling": {"color": (0.86, 0.85, 0.82), "ambient": 0.55, "diffuse": 0.4},

@@ -1,5 +1,7 @@
 """Weghorst, Hooper and Greenberg's Pencils (Figure 5, Tables II to IV)."""
-from shapes import circle, cluster, hue, item, mesh, move, of, polygon, view
+from placing import move
+from shapes import cluster, hue, item, mesh, of, polygon, view
+from vectors import circle
 
 
 def pencil():
@@ -42,7 +44,8 @@ def pencils(number):
         "view": view((0, 13.5, 14.5), (0, -0.3, 0.75), 53),
         "background": (0.26, 0.29, 0.34),
         "lights": lights,
-        "textures": {"grain": {"kind": "wood", "first": (0.36, 0.2, 0.1), "second": (0.2, 0.1, 0.05), "scale": 2.5, "strength": 1.2}},
+        "textures": {"grain": {"kind": "wood", "first": (0.36, 0.2, 0.1), "second": (0.2, 0.1, 0.05), "scale": (2.5, 2.5, 16),
+                               "strength": 1.2}},  # rings that are drawn out along z are a board's grain
         "materials": {
             "table": {"color": 1.0, "texture": "grain", "ambient": 0.25, "diffuse": 0.6, "specular": 0.1, "shininess": 20,
                       **({"reflect": 0.2} if reflective else {})},
@@ -55,9 +58,7 @@ def pencils(number):
             **materials,
         },
         "scene": [
-            # It stands upright in its own space, so that the grain of the wood, rings about y, runs along it.
-            item("table", "table", polygon((-40, -16, 0), (40, -16, 0), (40, 60, 0), (-40, 60, 0)),
-                 at=move((9, 0, 7), ("x", -90), (0, -7, 0))),
+            item("table", "table", polygon((-31, 0, 16), (49, 0, 16), (49, 0, -60), (-31, 0, -60))),
             *bundles,
             item("pyramid", "facet", mesh([(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1), (0, 1.9, 0)],
                                           [(3, 2, 1, 0), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]),

@@ -1,6 +1,8 @@
 """Weghorst, Hooper and Greenberg's Polygons (Figure 6, Table V): polyhedra about three balls."""
 import polyhedra as p
-from shapes import cluster, hue, item, lathe, mesh, move, on_circle, sphere, view
+from placing import move
+from shapes import cluster, hue, item, lathe, mesh, sphere, view
+from vectors import on_circle
 
 
 def polygons():

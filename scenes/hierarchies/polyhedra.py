@@ -4,7 +4,7 @@ Conway's operations make the regular, semi-regular and star-shaped ones from an 
 """
 import math
 
-from shapes import add, cross, times, unit
+from vectors import add, cross, times, unit
 
 GOLDEN = (1 + math.sqrt(5)) / 2
 

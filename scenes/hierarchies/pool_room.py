@@ -1,5 +1,7 @@
 """Weghorst, Hooper and Greenberg's Pool Room (Figure 9, Table VIII). Lengths in metres; the table's play field is 2.24 x 1.12."""
-from shapes import box, circle, cluster, cylinder, item, lathe, move, of, polygon, prism, quad, sphere, view
+from placing import move
+from shapes import box, cluster, cylinder, item, lathe, of, polygon, prism, quad, sphere, view
+from vectors import circle
 
 CLOTH = 0.80  # height of the cloth
 LONG, SHORT = 1.12, 0.56  # halves of the play field
@@ -46,7 +48,7 @@ def room():
 
 def shade():
     """A thin shell of 6 x 24 polygons about the rod."""
-    return lathe(24, (0.05, 0.27), (0.09, 0.25), (0.28, 0.0), (0.27, 0.0), (0.085, 0.235), (0.045, 0.25), (0.05, 0.27), smooth="phong")
+    return lathe(24, (0.05, 0.27), (0.09, 0.25), (0.28, 0.0), (0.27, 0.0), (0.085, 0.235), (0.045, 0.25), (0.05, 0.27))
 
 
 def pool_room():
@@ -77,7 +79,7 @@ def pool_room():
     pegs = [box((-0.42 + 0.12 * k - 0.012, 1.76, -2.54), (-0.42 + 0.12 * k + 0.012, 1.79, -2.49)) for k in range(8)]
     cues = [item(f"cue {k + 1}", "ash", cylinder((x, 1.02, -2.51), (x, 2.4, -2.51), 0.014)) for k, x in enumerate((-1.5, -1.3, -1.1, -0.9))]
     rack = cluster("cue rack", item("rack", "walnut", *board, *pegs, at=move((-1.2, 0, 0))), *cues)
-    seat = lathe(20, (0, 0.7), (0.19, 0.71), (0.2, 0.76), (0.15, 0.79), (0, 0.795), smooth="phong")
+    seat = lathe(20, (0, 0.7), (0.19, 0.71), (0.2, 0.76), (0.15, 0.79), (0, 0.795))
     stools = [cluster(f"stool {k + 1}", item(f"seat {k + 1}", "leather", seat, at=move((x, 0, z))),
                       item(f"post {k + 1}", "brass", cylinder((x, 0, z), (x, 0.71, z), 0.035)))
               for k, (x, z) in enumerate([(1.75, -1.7), (2.35, -1.2)])]

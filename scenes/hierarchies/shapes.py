@@ -1,44 +1,8 @@
 """Shapes, nodes and text of the scenes: a node is what stands in the object tree of a YAML scene, as a dictionary."""
 import colorsys
-import math
-import re
 
-# ---- vectors ----------------------------------------------------------------------------------------------------
-
-
-def add(a, b):
-    return tuple(x + y for x, y in zip(a, b))
-
-
-def times(s, a):
-    return tuple(s * x for x in a)
-
-
-def cross(a, b):
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def unit(a):
-    return times(1 / math.hypot(*a), a)
-
-
-def on_circle(radius, degrees):
-    """A point of the plane; from the first axis toward the second."""
-    return radius * math.cos(math.radians(degrees)), radius * math.sin(math.radians(degrees))
-
-
-def circle(radius, corners, center=(0, 0), first=0.0, last=360.0):
-    """Corners of a regular polygon; or of an arc, both ends included."""
-    steps = corners if last - first == 360 else corners - 1
-    return [add(center, on_circle(radius, first + (last - first) * k / steps)) for k in range(corners)]
-
-
-def rounded(width, depth, radius, corners):
-    """A rectangle about the origin with rounded corners, each of so many points."""
-    x, y = width / 2 - radius, depth / 2 - radius
-    return [p for k, (cx, cy) in enumerate([(x, y), (-x, y), (-x, -y), (x, -y)])
-            for p in circle(radius, corners, (cx, cy), 90 * k, 90 * k + 90)]
-
+from placing import BOX_FACES, moved
+from vectors import add, twice_area
 
 # ---- nodes ------------------------------------------------------------------------------------------------------
 
@@ -69,9 +33,9 @@ def mesh(points, faces, smooth=None):
     return {"polygons": {"points": points, "faces": faces, **({"smooth": smooth} if smooth else {})}}
 
 
-def lathe(sides, *profile, smooth=None):
-    """`sides` polygons for each line of a profile that begins and ends on the axis or is a ring."""
-    return {"lathe": {"profile": list(profile), "sides": sides, **({"smooth": smooth} if smooth else {})}}
+def lathe(sides, *profile):
+    """`sides` smooth polygons for each line of a profile, and one for each end off the axis."""
+    return {"lathe": {"profile": list(profile), "sides": sides}}
 
 
 def disc(sides, radius, bottom, top):
@@ -82,33 +46,26 @@ def disc(sides, radius, bottom, top):
 def frustum(base, low, top, high):
     """Six polygons between two rectangles (least x, most x, least z, most z) at two heights."""
     points = [(x, y, z) for (x0, x1, z0, z1), y in ((base, low), (top, high)) for x, z in ((x0, z1), (x1, z1), (x1, z0), (x0, z0))]
-    return mesh(points, [(3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (1, 2, 6, 5), (3, 0, 4, 7)])
+    return mesh(points, BOX_FACES)
 
 
 def prism(outline, low, high):
     """corners + 2 polygons between two heights; `outline` in x and z, in any direction."""
     n = len(outline)
-    area = sum(outline[k - 1][0] * outline[k][1] - outline[k][0] * outline[k - 1][1] for k in range(n))
-    around = outline if area < 0 else outline[::-1]  # counter-clockwise seen from above
+    around = outline if twice_area(outline) < 0 else outline[::-1]  # counter-clockwise seen from above
     points = [(x, low, z) for x, z in around] + [(x, high, z) for x, z in around]
     return mesh(points, [tuple(range(n))[::-1], tuple(range(n, 2 * n))] + [(k, (k + 1) % n, n + (k + 1) % n, n + k) for k in range(n)])
 
 
-def move(*steps):
-    """Steps of a transform: (x, y, z) translates, ("x", degrees) turns about an axis, a number scales."""
-    def step(s):
-        if isinstance(s, (int, float)):
-            return {"scale": s}
-        if isinstance(s[0], str):
-            return {"rotate": {"axis": [int(s[0] == axis) for axis in "xyz"], "degrees": s[1]}}
-        return {"translate": s}
-    return {"transform": [step(s) for s in steps]}
-
-
 def item(name, material, *shapes, at=None):
-    """A thing of one or more shapes (a node each, maybe with a material of its own); `at`: a transform by `move`."""
-    node = {"name": name, **({"material": material} if material else {}), **(at or {})}
-    return {**node, **shapes[0]} if len(shapes) == 1 and "material" not in shapes[0] else {**node, "group": list(shapes)}
+    """A thing of one or more shapes (a node each, maybe with a material of its own); `at`: where it is moved, by `move`."""
+    node = {"name": name, **({"material": material} if material else {})}
+    is_single = len(shapes) == 1 and "material" not in shapes[0]
+    return placed({**node, **shapes[0]} if is_single else {**node, "group": list(shapes)}, at)
+
+
+def placed(node, at):
+    return moved(node, at) if at else node
 
 
 def of(material, shape):
@@ -122,7 +79,7 @@ def view(location, look_at, field_of_view, width=256, height=240):
 
 
 def cluster(name, *elements, at=None):
-    return {"name": name, **(at or {}), "group": list(elements)}
+    return placed({"name": name, "group": list(elements)}, at)
 
 
 def items(node):
@@ -139,17 +96,18 @@ def hue(h, s, v):
 # ---- text -------------------------------------------------------------------------------------------------------
 
 
-def number(value):
-    text = f"{value:.5f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
+def number(value, digits):
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
     return "0" if text == "-0" else text
 
 
-def flow(value):
+def flow(value, digits=5):
+    """Five digits after the point leave small faces planar; three turn a normal by no more than 0.05 degrees."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{number(k)}: {flow(v)}" for k, v in value.items()) + "}"
+        return "{" + ", ".join(f"{k}: {flow(v, 3 if k == 'normals' else digits)}" for k, v in value.items()) + "}"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(flow(v) for v in value) + "]"
-    return number(value)
+        return "[" + ", ".join(flow(v, digits) for v in value) + "]"
+    return number(value, digits)
 
 
 def wrapped(text, indent, width=120):
@@ -164,20 +122,13 @@ def wrapped(text, indent, width=120):
     return ("\n" + " " * indent).join([*lines, line])
 
 
-def tree(node, indent, anchors):
-    """The lines of a node. A group of the same shapes as an earlier one refers to it."""
+def tree(node, indent):
+    """The lines of a node."""
     if "group" not in node:
         return [" " * indent + "- " + wrapped(flow(node), indent + 4)]
     lines = [" " * (indent + 2) + f"{k}: {flow(v)}" for k, v in node.items() if k != "group"]
     lines[0] = " " * indent + "- " + lines[0].lstrip()
-    shapes = flow(node["group"])
-    if shapes in anchors:
-        return [*lines, " " * (indent + 2) + f"group: *{anchors[shapes]}"]
-    anchors[shapes] = node["name"].replace(" ", "_")
-    lines.append(" " * (indent + 2) + f"group: &{anchors[shapes]}")
-    for child in node["group"]:
-        lines += tree(child, indent + 4, anchors)
-    return lines
+    return [*lines, " " * (indent + 2) + "group:", *(line for child in node["group"] for line in tree(child, indent + 4))]
 
 
 def text_of(scene):
@@ -193,9 +144,6 @@ def text_of(scene):
         else:
             lines.append(f"{key}: {wrapped(flow(value), 2)}")
     lines.append("scene:")
-    anchors = {}
     for node in scene["scene"]:
-        lines += tree(node, 2, anchors)
-    used = {anchor for anchor in anchors.values() if any(line.endswith(f"group: *{anchor}") for line in lines)}
-    lines = [re.sub(r"group: &(\S+)$", lambda m: m[0] if m[1] in used else "group:", line) for line in lines]
+        lines += tree(node, 2)
     return "\n".join(lines) + "\n"

@@ -1,7 +1,9 @@
 """The thesis's three test images (section 4.3, Plates 4.1 and 4.2): objects, polygons and colours of Table 4.3."""
 import math
 
-from shapes import add, box, circle, item, lathe, mesh, move, polygon, quad, sphere, times, view
+from placing import move
+from shapes import box, item, lathe, mesh, polygon, quad, sphere, view
+from vectors import add, circle, times
 
 # ---- Image 1 ----------------------------------------------------------------------------------------------------
 
@@ -82,7 +84,7 @@ def beach_house():
                for p in window((side, 1, (-2 * k if turn < 0 else -4 + 2 * k)), (0, 0, turn), 2.0, 1.6)]
     table = lathe(18, (0, 0), (0.34, 0), (0.38, 0.06), (0.12, 0.15), (0.08, 0.35), (0.17, 0.5), (0.08, 0.68), (0.12, 0.8),
                   (0.58, 0.84),
-                  (0.58, 0.9), (0, 0.9), smooth="phong")
+                  (0.58, 0.9), (0, 0.9))
     reach, back = 60.0, -110.0
     return {
         "comment": ["Image 1 of the thesis (section 4.3.2, Plate 4.1a, Table 4.3): a beach house, 14 objects of 1,658 polygons."],
@@ -111,21 +113,20 @@ def beach_house():
                  quad((-reach, -0.6, -24), (2 * reach, 0, 0), (0, -0.5, -16))),
             item("water", "water", *(quad((-reach, -1, -34 - (back + 34) * -k / 3), (2 * reach, 0, 0),
                                           (0, 0, (back + 34) / 3)) for k in range(3))),
-            item("centre table", "brown", lathe(14, (0, 0), (0.75, 0), (0.13, 0.16), (0.13, 0.86), (1.35, 0.93), (0, 0.96),
-                                                smooth="phong"),
+            item("centre table", "brown", lathe(14, (0, 0), (0.75, 0), (0.13, 0.16), (0.13, 0.86), (1.35, 0.93), (0, 0.96)),
                  at=move((0, 0, -1.2))),
             item("dish", "glazed", lathe(36, (0, 0), (0.15, 0), (0.17, 0.02), (0.3, 0.05), (0.42, 0.1), (0.44, 0.115), (0.4, 0.11),
                                          (0.3, 0.065),
-                                         (0.2, 0.038), (0.1, 0.03), (0, 0.028), smooth="phong"), at=move((0.45, 0.96, -0.9))),
+                                         (0.2, 0.038), (0.1, 0.03), (0, 0.028)), at=move((0.45, 0.96, -0.9))),
             item("glass", "gold", lathe(36, (0, 0), (0.2, 0), (0.18, 0.03), (0.03, 0.07), (0.03, 0.32), (0.14, 0.4), (0.2, 0.55),
                                         (0.18, 0.78),
-                                        (0.165, 0.78), (0.18, 0.55), (0, 0.4), smooth="phong"), at=move((-0.5, 0.96, -0.75))),
+                                        (0.165, 0.78), (0.18, 0.55), (0, 0.4)), at=move((-0.5, 0.96, -0.75))),
             item("bowl", "blue", lathe(26, (0, 0), (0.18, 0), (0.2, 0.04), (0.34, 0.1), (0.45, 0.22), (0.5, 0.36), (0.47, 0.37),
                                        (0.42, 0.22),
-                                       (0.3, 0.12), (0.15, 0.07), (0, 0.06), smooth="phong"), at=move((-0.1, 0.96, -1.7))),
+                                       (0.3, 0.12), (0.15, 0.07), (0, 0.06)), at=move((-0.1, 0.96, -1.7))),
             item("left table", "white", table, at=move((-3.7, 0, -3.4))),
             item("right table", "white", table, at=move((3.4, 0, -3.4))),
-            item("vase", "red", lathe(16, (0, 0), (0.14, 0), (0.27, 0.3), (0.08, 0.75), (0.17, 1.0), (0, 0.7), smooth="phong"),
+            item("vase", "red", lathe(16, (0, 0), (0.14, 0), (0.27, 0.3), (0.08, 0.75), (0.17, 1.0), (0, 0.7)),
                  at=move((-3.7, 0.9, -3.4))),
             item("frames", "wood", *frames),
             item("title", "green", *title((-3.05, 3.2, -5.97), 0.6)),
@@ -222,10 +223,10 @@ def plant():
             *leaves,
             item("pot", "brown", lathe(28, (0, 0.02), (0.66, 0.02), (0.74, 0.3), (0.82, 0.6), (0.89, 0.85), (1.0, 0.85), (1.03, 1.12),
                                        (0.92, 1.12), (0.9, 0.98),
-                                       (0.88, 0.92), (0, 0.92), smooth="phong")),
+                                       (0.88, 0.92), (0, 0.92))),
             item("dirt", "black", mesh([(0, 1.03, 0), *((x, 0.99, -z) for x, z in circle(0.9, 36))],
                                        [(0, 1 + k, 1 + (k + 1) % 36) for k in range(36)])),
-            item("stem", "green", lathe(12, (0, 0.95), (0.13, 0.98), (0.09, 1.7), (0, 1.85), smooth="phong")),
+            item("stem", "green", lathe(12, (0, 0.95), (0.13, 0.98), (0.09, 1.7), (0, 1.85))),
             item("corner", "white", quad((-w, 0, w), (2 * w, 0, 0), (0, 0, -2 * w)), quad((-w, 0, -w), (2 * w, 0, 0), (0, h, 0)),
                  quad((-w, 0, w), (0, 0, -2 * w), (0, h, 0)), quad((w, 0, w), (0, 0, -2 * w), (0, h, 0))),
         ],

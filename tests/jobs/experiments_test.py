@@ -1,4 +1,5 @@
 """Experiments, as small as they get: each writes its page, tables and pictures."""
+import csv
 import re
 
 from rayfarm_job import JobTest, SCENES, main
@@ -51,6 +52,26 @@ class Experiments(JobTest):
         for scene in ("mirrors", "glass", "both"):
             self.assertIn(f"![{scene}]({scene}.png)", page)
             self.assertTrue((self.folder / "page" / f"{scene}.png").exists())
+
+    def test_hierarchies_writes_its_page(self):
+        result = self.run_alone("experiment", "hierarchies", "-o", self.folder / "page", "--scenes", SCENES, "--width", "16")
+        self.assertEqual(result.code, 0, result.stderr)
+        lines = (self.folder / "page" / "hierarchies.csv").read_text().splitlines()
+        rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+        self.assertEqual(len(rows), 3 * 13)
+        self.assertEqual({int(row["primitives"]) for row in rows}, {1658, 66, 2708})  # Table 4.3
+        for row in rows:
+            self.assertEqual(int(row["eye_rays"]), 17 * 17)
+            self.assertGreater(float(row["primitives_per_ray"]), 0)
+            self.assertGreater(float(row["ns_per_ray"]), 0)
+        tests = {(row["image"], row["hierarchy"]): float(row["primitives_per_ray"]) for row in rows}
+        for image in ("1", "2", "3"):
+            for hierarchy in ("sah", "thesis"):
+                self.assertLess(tests[image, hierarchy], tests[image, "brute"])
+        page = (self.folder / "page" / "README.md").read_text()
+        self.assertIn("| Image 1: empty cells of 23³ cells |", page)
+        self.assertRegex(page, r"\| `regular` \| 9 \| [0-9.]+ ns")
+        self.assertTrue((self.folder / "page" / "hierarchies.json").exists())
 
     def test_sampling_writes_its_page(self):
         # Shirley, Sung and Brown 1991, 2.2.1: errors by pattern and number of samples.

@@ -8,7 +8,9 @@ from rayfarm_job import SCENES, JobTest, main
 FOLDER = SCENES / "hierarchies"
 sys.path.insert(0, str(FOLDER))
 sys.dont_write_bytecode = True
+import placing  # noqa: E402
 import shapes  # noqa: E402
+import vectors  # noqa: E402
 import write_scenes  # noqa: E402
 
 # Items (objects in the thesis), polygons, spheres, other quadrics, lights, --max-depth.
@@ -63,6 +65,40 @@ class HierarchyScenes(JobTest):
             if "  …\n" in told:
                 listed = listed[:len(leaves)]
             self.assertEqual(leaves, listed, name)
+
+    def test_all_shapes_stand_in_one_space(self):
+        # The thesis, section 4.3.2: "The initial volume of the regular volume hierarchy must enclose the entire scene". What
+        # has a transform or is used would be a part with a hierarchy of its own.
+        for name in STATED:
+            self.assertNotRegex((FOLDER / f"{name}.yaml").read_text(), r"\b(transform|use|objects):", name)
+            self.assertIn("\n  parts 1, instances 1, ", self.info(name), name)
+
+    def test_what_the_generator_moves_looks_as_what_a_transform_moves(self):
+        ring = vectors.circle(0.2, 14, (1.5, -0.5))
+        shapes_of_all_kinds = [
+            shapes.lathe(12, (0.5, -2), (0.9, -1.6), (0.9, -1.2)),  # lids, an edge and a crease
+            shapes.lathe(10, (0, -0.1), (0.5, -0.05), (0.9, 0.2), (0.85, 0.2), (0.45, 0.08), (0, 0.05)),  # smooth tips, a rim
+            shapes.lathe(5, (0, 2.2), (0.8, 1.3), (0, 0.6)),  # sharp tips, downward
+            shapes.lathe(7, *ring, ring[0]),
+            shapes.box((-2.4, -2, -0.4), (-1.6, -1, 0.3)), shapes.sphere((1.6, 1.5, 0), 0.5),
+            shapes.cylinder((-2, 0.6, 0), (-1.4, 1.9, 0.4), 0.3), shapes.quad((1.2, -2, 0), (1, 0.2, 0), (0, 1, -0.4)),
+            shapes.frustum((1, 2, -1.6, -0.6), -1, (1.2, 1.8, -1.4, -0.8), 0)]
+        for motion, steps in ((placing.move(0.8, ("x", 40), ("z", -25), (0.3, -0.2, 0.5), ("y", 70)),
+                               [{"scale": 0.8}, {"rotate": {"axis": [1, 0, 0], "degrees": 40}}, {"rotate": {"axis": [0, 0, 1], "degrees": -25}},
+                                {"translate": [0.3, -0.2, 0.5]}, {"rotate": {"axis": [0, 1, 0], "degrees": 70}}]),
+                              (placing.move((0.4, 0.1, -0.3), 1.2), [{"translate": [0.4, 0.1, -0.3]}, {"scale": 1.2}])):
+            node = shapes.cluster("all", *shapes_of_all_kinds)
+            for name, nodes in (("moved", [placing.moved(node, motion)]),
+                                ("transformed", [{"name": "all", "transform": steps, "group": shapes_of_all_kinds}])):
+                scene = {"comment": [], "view": shapes.view((1, 3, 9), (0, 0, 0), 34, 120, 120), "background": (0.2, 0.3, 0.5),
+                         "lights": [{"position": (5, 9, 6)}], "materials": {"shiny": {"diffuse": 0.5, "specular": 0.5, "reflect": 0.3}},
+                         "scene": [{"name": "root", "material": "shiny", "group": nodes}]}
+                told = self.run_alone("render", self.write(f"{name}.yaml", shapes.text_of(scene)), "-o", self.folder / f"{name}.png")
+                self.assertEqual((told.code, "rayfarm:" in told.stderr), (0, False), told.stderr)
+            self.assertNotIn("transform", (self.folder / "moved.yaml").read_text())
+            compared = self.run_alone("compare", self.folder / "moved.png", self.folder / "transformed.png", "--tolerance", "0.01",
+                                      "--share", "0.0005")
+            self.assertEqual(compared.code, 0, compared.stdout + compared.stderr)
 
     def test_objects_of_the_thesis_are_those_of_table_4_3(self):
         # Table 4.5: the object hierarchies have 15, 20 and 13 nodes, a root and the objects.

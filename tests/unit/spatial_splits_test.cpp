@@ -44,6 +44,13 @@ SceneDescription make_beams(uint32_t seed, int beams, int specks) {
   return scene;
 }
 
+bool says_that_high_gains_nothing(const CompiledScene& compiled) {
+  const auto& lines = compiled.notes.lines();
+  return std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
+           return line.find("a high build gains nothing here") != std::string::npos;
+         }) == 1;
+}
+
 Ray random_ray(std::mt19937& random) {
   Vec3 direction = test::random_point(random, 1);
   if (random() % 4 == 0) direction[static_cast<int>(random() % 3)] = 0;
@@ -110,6 +117,7 @@ TEST(SpatialSplits, ReferencesStayWithinTheBudgetAndRaysVisitLess) {
     const CompiledScene compiled = compile(description, {.quality = quality});
     FrameState state(compiled.scene);
     references.push_back(count_references(compiled.scene));
+    EXPECT_FALSE(says_that_high_gains_nothing(compiled));
     WalkCounts counts;
     std::mt19937 random(5);
     for (int i = 0; i < 1000; ++i)
@@ -145,6 +153,7 @@ TEST(SpatialSplits, SmoothMeshesAreBuiltAsIfThereWereNone) {
   const CompiledScene fast = compile(scene, {.quality = BuildQuality::fast});
   for (const BuildQuality quality : {BuildQuality::balanced, BuildQuality::high}) {
     const CompiledScene compiled = compile(scene, {.quality = quality});
+    EXPECT_EQ(says_that_high_gains_nothing(compiled), quality == BuildQuality::high);
     ASSERT_EQ(compiled.block.bytes().size(), fast.block.bytes().size());
     EXPECT_TRUE(
         std::equal(compiled.block.bytes().begin(), compiled.block.bytes().end(), fast.block.bytes().begin()));

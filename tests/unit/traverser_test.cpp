@@ -149,10 +149,12 @@ TEST(Traverser, CountedWalksAnswerAsOthersAndCountWhatTheyVisit) {
       EXPECT_EQ(counts.nodes, 0u);
       EXPECT_EQ(counts.leaves, 3u);
       EXPECT_EQ(counts.spheres, part.sphere_count);
-      EXPECT_EQ(counts.polygons + counts.quadrics, part.leaf_primitive_count);
+      EXPECT_EQ(counts.polygons, part.polygon_count);
+      EXPECT_EQ(counts.triangles, part.triangle_count);
+      EXPECT_EQ(counts.quadrics, part.quadric_count);
     }
   }
-  EXPECT_LT(4 * of_volumes.triangles, of_list.triangles);
+  EXPECT_LT(4 * (of_volumes.triangles + of_volumes.polygons), of_list.triangles + of_list.polygons);
   EXPECT_LT(4 * of_volumes.spheres, of_list.spheres);
   EXPECT_GT(of_volumes.nodes, 300u);
   EXPECT_GT(of_volumes.boxes, 2 * of_volumes.nodes);
