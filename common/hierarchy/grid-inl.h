@@ -27,7 +27,8 @@ class CellWalk {
     for (size_t i = 0; i < 3; ++i) {
       const auto axis = static_cast<int>(i);
       const double at = (ray.origin[i] + entry * ray.direction[i] - grid.low[axis]) / grid.cell[axis];
-      place_[i] = static_cast<uint32_t>(std::clamp(std::floor(at), 0.0, grid.cells[i] - 1.0));
+      // Where numbers of a damaged scene are too large to be subtracted there is no place: any cell will do.
+      place_[i] = at > 0 ? static_cast<uint32_t>(std::min(std::floor(at), grid.cells[i] - 1.0)) : 0;
       set_next(i);
     }
   }
