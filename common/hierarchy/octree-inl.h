@@ -82,8 +82,8 @@ class OctreeWalk {
   /// In units from the cube's corner, not below 0; 0 where a damaged scene's numbers are too large for any.
   double along(size_t i, double t) const {
     const auto axis = static_cast<int>(i);
-    return std::max(
-        0.0, std::floor((ray_.origin[i] + t * ray_.direction[i] - octree_.low[axis]) / octree_.unit));
+    return std::max(0.0,
+                    std::floor((ray_.origin[i] + t * ray_.direction[i] - octree_.low[axis]) / octree_.unit));
   }
 
   /// By half the smallest edge. False: out of the octree.
