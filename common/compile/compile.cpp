@@ -9,6 +9,7 @@
 #include "common/compile/spectra.h"
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
+#include "common/hierarchy/cells.h"
 #include "common/scene/references.h"
 
 namespace rayfarm {
@@ -103,8 +104,12 @@ class PartCompiler {
       return;
     for (const PrimitiveGroup& g : groups) built_ += g.primitives.ids.size();
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
-    arrays_.parts.push_back(
-        build_part(arrays_, groups, description_.structures, options_, is_structure_used_));
+    try {
+      arrays_.parts.push_back(
+          build_part(arrays_, groups, description_.structures, options_, is_structure_used_));
+    } catch (const TooManyCells& e) {
+      throw InputError(description_.source(description_.objects[owner].place), e.what());
+    }
     luminous_of_.push_back(luminaires_.take());
   }
 

@@ -13,4 +13,13 @@ Box with_margin(const Box& box);
 /// True if rounding may come to more for a ray from there through cells in `box`.
 bool is_too_far_for_cells(const Box& box, const Vec3& origin);
 
+/// More cells or pointers than indices can tell apart.
+class TooManyCells : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Throws TooManyCells if there are too many `things`; `option` makes them fewer.
+void check_count(uint64_t count, const char* things, const char* option);
+
 }  // namespace rayfarm
