@@ -1,5 +1,6 @@
 #pragma once
 // How hierarchies are built.
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -17,6 +18,8 @@ enum class Hierarchy : uint8_t {
   adaptive,  ///< cells that are halved where they hold much: an octree (2.6.2; Glassner 1984)
   brute      ///< none: a ray tests all
 };
+/// Here and below: words for the values, in their order, on the command line and in scenes.
+inline constexpr std::array kHierarchyWords{"sah", "thesis", "regular", "adaptive", "brute"};
 
 /// What a build may take for the sake of the rays. The pictures are the same.
 enum class BuildQuality : uint8_t {
@@ -24,12 +27,14 @@ enum class BuildQuality : uint8_t {
   balanced,  ///< spatial splits where they are seen to pay, up to 1.3 references a primitive on average
   high       ///< up to 2
 };
+inline constexpr std::array kBuildQualityWords{"fast", "balanced", "high"};
 
 /// How an octree finds what a cell holds.
 enum class OctreeData : uint8_t {
   hash,     ///< by the cell's name in a hash table (Glassner; thesis 2.6.2)
   pointers  ///< from the cell's node
 };
+inline constexpr std::array kOctreeDataWords{"hash", "pointers"};
 
 /// How an octree finds the next cell on a ray's way (Shirley, Sung and Brown, 2.3). All find the same.
 enum class OctreeNext : uint32_t {
@@ -37,6 +42,7 @@ enum class OctreeNext : uint32_t {
   walk,  ///< by the same point, upward from the parent until it is inside, and down again (tree walking)
   dda    ///< by steps of whole numbers across one face, from the smallest node that holds both cells
 };
+inline constexpr std::array kOctreeNextWords{"root", "walk", "dda"};
 
 /// How far a build is, for those who watch it from another thread.
 struct BuildProgress {

@@ -1,15 +1,20 @@
 #include "host/commands/hierarchy_options.h"
 
 namespace rayfarm {
+namespace {
+
+template <typename Value, size_t count>
+std::vector<std::pair<std::string, Value>> choices(const std::array<const char*, count>& words) {
+  std::vector<std::pair<std::string, Value>> choices;
+  for (size_t i = 0; i < count; ++i) choices.emplace_back(words[i], static_cast<Value>(i));
+  return choices;
+}
+
+}  // namespace
 
 void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.choice<Hierarchy>(
-      "--hierarchy", build.hierarchy,
-      {{"sah", Hierarchy::sah},
-       {"thesis", Hierarchy::thesis},
-       {"regular", Hierarchy::regular},
-       {"adaptive", Hierarchy::adaptive},
-       {"brute", Hierarchy::brute}},
+      "--hierarchy", build.hierarchy, choices<Hierarchy>(kHierarchyWords),
       "how primitives are arranged: volumes that are split by the surface area heuristic "
       "(sah), or about the centre of the data (thesis); equal cells (regular); cells that are halved where "
       "they hold much (adaptive); not at all "
@@ -17,8 +22,7 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.number("--max-primitives", build.max_primitives, 1, 1000,
                  "in a leaf of sah or thesis; a cell of adaptive that holds more is divided (default: 8)");
   options.choice<BuildQuality>(
-      "--build", build.quality,
-      {{"fast", BuildQuality::fast}, {"balanced", BuildQuality::balanced}, {"high", BuildQuality::high}},
+      "--build", build.quality, choices<BuildQuality>(kBuildQualityWords),
       "of sah: fast leaves primitives whole; balanced divides large ones among volumes where that pays, up "
       "to 1.3 "
       "references a primitive on average, high up to 2 (default: balanced)");
@@ -26,15 +30,13 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
                  "of regular: along each axis; 0: four cells for each primitive (default: 0)");
   options.number("--octree-depth", build.octree_depth, 1, kMostOctreeDepth,
                  "of adaptive: how often the whole may be halved (default: 16)");
-  options.choice<OctreeData>("--octree-data", build.octree_data,
-                             {{"hash", OctreeData::hash}, {"pointers", OctreeData::pointers}},
+  options.choice<OctreeData>("--octree-data", build.octree_data, choices<OctreeData>(kOctreeDataWords),
                              "of adaptive: what a cell holds is found by the cell's name in a hash table, or "
                              "from its node (default: hash)");
   options.number("--octree-hash", build.octree_hash, 1, kMostHashPlaces,
                  "of adaptive: places of the hash table (default: 1000)");
   options.choice<OctreeNext>(
-      "--octree-next", build.octree_next,
-      {{"root", OctreeNext::root}, {"walk", OctreeNext::walk}, {"dda", OctreeNext::dda}},
+      "--octree-next", build.octree_next, choices<OctreeNext>(kOctreeNextWords),
       "of adaptive: a ray's next cell is looked for from the root, from the parent upward, or by steps "
       "across "
       "faces (default: root)");

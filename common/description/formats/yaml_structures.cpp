@@ -5,9 +5,10 @@
 namespace rayfarm {
 namespace {
 
-const std::vector<std::string>& hierarchy_names() {  // in the order of Hierarchy
-  static const std::vector<std::string> names{"sah", "thesis", "regular", "adaptive", "brute"};
-  return names;
+/// The value of which this is the word.
+template <typename Value, size_t count>
+Value read_word(const YamlValue& value, const std::array<const char*, count>& words) {
+  return static_cast<Value>(value.choice({words.begin(), words.end()}));
 }
 
 uint32_t whole_number(const YamlValue& value, int least, int most) {
@@ -17,12 +18,10 @@ uint32_t whole_number(const YamlValue& value, int least, int most) {
 void read_octree(YamlMap& options, BuildOptions& build) {
   if (auto v = options.find("max_primitives")) build.max_primitives = whole_number(*v, 1, 1000);
   if (auto v = options.find("depth")) build.octree_depth = whole_number(*v, 1, int{kMostOctreeDepth});
-  if (auto v = options.find("data"))
-    build.octree_data = static_cast<OctreeData>(v->choice({"hash", "pointers"}));
+  if (auto v = options.find("data")) build.octree_data = read_word<OctreeData>(*v, kOctreeDataWords);
   if (build.octree_data == OctreeData::hash)
     if (auto v = options.find("hash")) build.octree_hash = whole_number(*v, 1, int{kMostHashPlaces});
-  if (auto v = options.find("next"))
-    build.octree_next = static_cast<OctreeNext>(v->choice({"root", "walk", "dda"}));
+  if (auto v = options.find("next")) build.octree_next = read_word<OctreeNext>(*v, kOctreeNextWords);
   if (auto v = options.find("mailbox")) build.has_mailbox = v->boolean();
 }
 
@@ -33,18 +32,17 @@ StructureDescription read_structure(const YamlValue& value) {
   structure.place = value.place();
   BuildOptions& build = structure.build;
   if (!value.is_map()) {
-    build.hierarchy = static_cast<Hierarchy>(value.choice(hierarchy_names()));
+    build.hierarchy = read_word<Hierarchy>(value, kHierarchyWords);
     return structure;
   }
   const auto entries = value.entries();
   if (entries.size() != 1)
     value.fail("a structure is one name, perhaps with its options: `structure: {regular: {cells: 20}}`");
-  build.hierarchy = static_cast<Hierarchy>(entries[0].first.choice(hierarchy_names()));
+  build.hierarchy = read_word<Hierarchy>(entries[0].first, kHierarchyWords);
   YamlMap options(entries[0].second);
   switch (build.hierarchy) {
     case Hierarchy::sah:
-      if (auto v = options.find("build"))
-        build.quality = static_cast<BuildQuality>(v->choice({"fast", "balanced", "high"}));
+      if (auto v = options.find("build")) build.quality = read_word<BuildQuality>(*v, kBuildQualityWords);
       [[fallthrough]];
     case Hierarchy::thesis:
       if (auto v = options.find("max_primitives")) build.max_primitives = whole_number(*v, 1, 1000);
