@@ -10,6 +10,7 @@
 #include "common/compile/spectra.h"
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
+#include "common/hierarchy/cells.h"
 #include "common/scene/references.h"
 
 namespace rayfarm {
@@ -111,8 +112,12 @@ class PartCompiler {
     part_of_[owner] = static_cast<uint32_t>(arrays_.parts.size());
     const bool is_placed = owner == description_.root && purpose_ == Purpose::pictures &&
                            groups[0].structure == kNone && options_.hierarchy == Hierarchy::object;
-    arrays_.parts.push_back(build_part(arrays_, groups, description_, options_, is_structure_used_,
-                                       is_placed ? &placed_ : nullptr));
+    try {
+      arrays_.parts.push_back(build_part(arrays_, groups, description_, options_, is_structure_used_,
+                                         is_placed ? &placed_ : nullptr));
+    } catch (const TooManyCells& e) {
+      throw InputError(description_.source(description_.objects[owner].place), e.what());
+    }
     luminous_of_.push_back(luminaires_.take());
   }
 

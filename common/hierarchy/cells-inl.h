@@ -40,6 +40,17 @@ HWY_INLINE Passage passage_through(const Box& box, const PrimitiveRay& ray) {
   return passage;
 }
 
+/// How far along the ray a plane across an axis is; infinite if they are parallel.
+HWY_INLINE double distance_to_plane(const PrimitiveRay& ray, size_t axis, double plane) {
+  return ray.direction[axis] == 0 ? std::numeric_limits<double>::infinity()
+                                  : (plane - ray.origin[axis]) / ray.direction[axis];
+}
+
+/// A part of primitive_pointers.
+struct CellList {
+  uint32_t first, count;
+};
+
 /// Tests the lists of cells on a ray's way, with a mailbox each primitive once (Shirley, Sung and
 /// Brown, 2.3).
 template <typename Search>
@@ -55,9 +66,9 @@ class CellTests {
     if (mailbox_) search_number_ = mailbox_->begin_search(scene);
   }
   /// The primitives that a cell lists. True: the search is over.
-  HWY_INLINE bool test(uint32_t first_pointer, uint32_t count) {
-    if constexpr (Search::kCounts) search_.count_cell(count == 0);
-    for (const PrimitivePointer& pointer : scene_.primitive_pointers.subspan(first_pointer, count)) {
+  HWY_INLINE bool test(const CellList& list) {
+    if constexpr (Search::kCounts) search_.count_cell(list.count == 0);
+    for (const PrimitivePointer& pointer : scene_.primitive_pointers.subspan(list.first, list.count)) {
       if (mailbox_ && !mailbox_->take(pointer, search_number_)) {
         if constexpr (Search::kCounts) search_.count_saved_test();
         continue;
@@ -75,6 +86,24 @@ class CellTests {
   Mailbox* mailbox_;  ///< none: tests are made again
   uint64_t search_number_ = 0;
 };
+
+/// Searches cells that fill `box`; true: the search is over. `begin_walk(entry)` makes a walk from cell to
+/// cell, from where the ray has gone as far as `entry`. What a cell lists may be hit in another: the walk
+/// goes on until the next cell lies behind the hit.
+template <typename Search, typename BeginWalk>
+HWY_INLINE bool search_cells(const Scene& scene, const Collection& collection, const Box& box,
+                             const PrimitiveRay& ray, uint32_t instance, Search& search,
+                             BeginWalk begin_walk) {
+  if (is_too_far_for_cells(box, ray.origin_vector())) return search_list(collection, ray, instance, search);
+  const Passage passage = passage_through(with_margin(box), ray);
+  if (passage.is_empty() || passage.begin > search.t_far()) return false;
+  CellTests tests(scene, collection, ray, instance, search);
+  auto walk = begin_walk(passage.begin);
+  do {
+    if (tests.test(walk.list())) return true;
+  } while (walk.exit() <= search.t_far() && walk.advance());
+  return false;
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace rayfarm

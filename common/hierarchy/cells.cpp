@@ -1,5 +1,7 @@
 #include "common/hierarchy/cells.h"
 
+#include <fmt/core.h>
+
 namespace rayfarm {
 namespace {
 
@@ -24,6 +26,14 @@ bool is_too_far(double magnitude, const Vec3& origin) {
   constexpr double kRoundings = 16;  // of a coordinate on the way: fewer, each of half a last bit
   return kRoundings * std::numeric_limits<double>::epsilon() * (max_magnitude(origin) + magnitude) >
          kMargin * magnitude;
+}
+
+void check_count(uint64_t count, const char* things, const char* option) {
+  constexpr uint64_t kMost = 1ull << 31;
+  if (count > kMost)
+    throw TooManyCells(
+        fmt::format("the scene comes to more than {} {}; choose less with {}, or another hierarchy", kMost,
+                    things, option));
 }
 
 bool is_too_far_for_cells(const Box& box, const Vec3& origin) {

@@ -16,4 +16,13 @@ bool is_too_far(double magnitude, const Vec3& origin);
 /// The same of cells in `box`.
 bool is_too_far_for_cells(const Box& box, const Vec3& origin);
 
+/// More cells or pointers than indices can tell apart.
+class TooManyCells : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Throws TooManyCells if there are too many `things`; `option` makes them fewer.
+void check_count(uint64_t count, const char* things, const char* option);
+
 }  // namespace rayfarm

@@ -11,7 +11,6 @@
 #include <hwy/highway.h>
 
 #include <cmath>
-#include <limits>
 
 #include "common/hierarchy/cells-inl.h"
 
@@ -23,7 +22,9 @@ namespace HWY_NAMESPACE {
 class CellWalk {
  public:
   /// `entry`: how far the ray goes to be inside.
-  HWY_INLINE CellWalk(const Grid& grid, const PrimitiveRay& ray, double entry) : grid_(grid), ray_(ray) {
+  HWY_INLINE CellWalk(std::span<const uint32_t> begins, const Grid& grid, const PrimitiveRay& ray,
+                      double entry)
+      : begins_(begins), grid_(grid), ray_(ray) {
     for (size_t i = 0; i < 3; ++i) {
       const auto axis = static_cast<int>(i);
       const double at = (ray.origin[i] + entry * ray.direction[i] - grid.low[axis]) / grid.cell[axis];
@@ -32,7 +33,10 @@ class CellWalk {
       set_next(i);
     }
   }
-  size_t cell() const { return grid_.index(place_[0], place_[1], place_[2]); }
+  CellList list() const {
+    const size_t cell = grid_.index(place_[0], place_[1], place_[2]);
+    return {begins_[cell], begins_[cell + 1] - begins_[cell]};
+  }
   /// How far the ray is when it leaves the cell.
   double exit() const { return next_[axis_of_exit()]; }
   /// False: the ray leaves the grid.
@@ -51,35 +55,24 @@ class CellWalk {
   /// From the cell's place, not from the face before: so errors do not add up.
   HWY_INLINE void set_next(size_t i) {
     const auto axis = static_cast<int>(i);
-    const double direction = ray_.direction[i];
-    const double face = grid_.low[axis] + (place_[i] + (direction > 0 ? 1.0 : 0.0)) * grid_.cell[axis];
-    next_[i] = direction == 0 ? std::numeric_limits<double>::infinity() : (face - ray_.origin[i]) / direction;
+    const double ahead = ray_.direction[i] > 0 ? 1 : 0;
+    next_[i] = distance_to_plane(ray_, i, grid_.low[axis] + (place_[i] + ahead) * grid_.cell[axis]);
   }
 
+  std::span<const uint32_t> begins_;  ///< of the cells' lists
   const Grid& grid_;
   const PrimitiveRay& ray_;
   std::array<uint32_t, 3> place_;
   std::array<double, 3> next_;  ///< where the ray crosses the faces that lie ahead
 };
 
-/// True: the search is over. What a cell lists may be hit in another cell: the walk goes on until the next
-/// lies behind the hit.
 template <typename Search>
 HWY_NOINLINE bool search_grid(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
                               uint32_t instance, Search& search) {
   const Grid& grid = scene.grids[collection.grid];
-  if (is_too_far_for_cells(grid.box(), ray.origin_vector()))
-    return search_list(collection, ray, instance, search);
-  const Passage passage = passage_through(with_margin(grid.box()), ray);
-  if (passage.is_empty() || passage.begin > search.t_far()) return false;
-  const auto ends = scene.grid_cells.subspan(grid.first_cell);
-  CellTests tests(scene, collection, ray, instance, search);
-  CellWalk walk(grid, ray, passage.begin);
-  do {
-    const size_t cell = walk.cell();
-    if (tests.test(ends[cell], ends[cell + 1] - ends[cell])) return true;
-  } while (walk.exit() <= search.t_far() && walk.advance());
-  return false;
+  return search_cells(scene, collection, grid.box(), ray, instance, search, [&](double entry) HWY_ATTR {
+    return CellWalk(scene.grid_cells.subspan(grid.first_cell), grid, ray, entry);
+  });
 }
 
 }  // namespace HWY_NAMESPACE

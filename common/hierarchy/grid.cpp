@@ -45,6 +45,7 @@ uint32_t build_grid(const PrimitiveSource& source, std::span<const PrimitivePoin
   grid.cells.fill(cells_along_an_axis(source.size(), options.cells));
   grid.low = box.lo;
   grid.cell = box.extent() / Vec3(grid.cells[0], grid.cells[1], grid.cells[2]);
+  check_count(arrays.grid_cells.size() + grid.cell_count() + 1, "cells", "--cells");
   grid.first_cell = static_cast<uint32_t>(arrays.grid_cells.size());
 
   std::vector<uint32_t> ends(grid.cell_count() + 1);  // first how long each list is
@@ -52,8 +53,12 @@ uint32_t build_grid(const PrimitiveSource& source, std::span<const PrimitivePoin
     throw_if_stopped(options.stop);
     for_each_cell(grid, source, i, [&](size_t cell) { ++ends[cell]; });
   }
-  auto end = static_cast<uint32_t>(arrays.primitive_pointers.size());
-  for (uint32_t& e : ends) e = end += e;
+  uint64_t end = arrays.primitive_pointers.size();
+  for (uint32_t& e : ends) {
+    end += e;
+    check_count(end, "pointers from cells to primitives", "--cells");
+    e = static_cast<uint32_t>(end);
+  }
   arrays.primitive_pointers.resize(end);
   for (auto i = static_cast<uint32_t>(source.size()); i-- > 0;) {  // from behind: the lists are in order
     throw_if_stopped(options.stop);

@@ -42,17 +42,9 @@ class OctreeWalk {
     descend();
   }
 
-  /// What the cell holds; none: nothing.
-  HWY_INLINE const OctreeCell* cell() const {
-    if (is_empty_) return nullptr;
-    if (table_.empty()) return &cells_[nodes_[path_[depth_]].child];
-    uint32_t i = table_[name_ % table_.size()];
-    while (i != kNone) {
-      if constexpr (Search::kCounts) search_.count_chain_step();
-      if (cells_[i].name == name_) return &cells_[i];
-      i = cells_[i].next;
-    }
-    return nullptr;
+  HWY_INLINE CellList list() const {
+    const OctreeCell* const cell = this->cell();
+    return cell ? CellList{cell->first_pointer, cell->pointer_count} : CellList{};
   }
 
   /// How far the ray is when it leaves the cell.
@@ -79,10 +71,24 @@ class OctreeWalk {
   }
 
  private:
-  /// In units from the cube's corner.
+  /// What the cell holds; none: nothing.
+  HWY_INLINE const OctreeCell* cell() const {
+    if (is_empty_) return nullptr;
+    if (table_.empty()) return &cells_[nodes_[path_[depth_]].child];
+    uint32_t i = table_[name_ % table_.size()];
+    while (i != kNone) {
+      if constexpr (Search::kCounts) search_.count_chain_step();
+      if (cells_[i].name == name_) return &cells_[i];
+      i = cells_[i].next;
+    }
+    return nullptr;
+  }
+
+  /// In units from the cube's corner, not below 0; 0 where a damaged scene's numbers are too large for any.
   double along(size_t i, double t) const {
     const auto axis = static_cast<int>(i);
-    return std::floor((ray_.origin[i] + t * ray_.direction[i] - octree_.low[axis]) / octree_.unit);
+    return std::max(0.0,
+                    std::floor((ray_.origin[i] + t * ray_.direction[i] - octree_.low[axis]) / octree_.unit));
   }
 
   /// By half the smallest edge. False: out of the octree.
@@ -170,10 +176,8 @@ class OctreeWalk {
     size_ = size;
     for (size_t i = 0; i < 3; ++i) {
       const auto axis = static_cast<int>(i);
-      const double direction = ray_.direction[i];
-      const double face = octree_.low[axis] + octree_.unit * (low_[i] + (direction > 0 ? size : 0));
-      exits_[i] =
-          direction == 0 ? std::numeric_limits<double>::infinity() : (face - ray_.origin[i]) / direction;
+      const uint32_t ahead = ray_.direction[i] > 0 ? size : 0;
+      exits_[i] = distance_to_plane(ray_, i, octree_.low[axis] + octree_.unit * (low_[i] + ahead));
     }
   }
 
@@ -198,23 +202,12 @@ class OctreeWalk {
   std::array<double, 3> exits_;                        ///< where the ray crosses the planes of faces ahead
 };
 
-/// True: the search is over. What a cell lists may be hit in another cell: the walk goes on until the next
-/// lies behind the hit.
 template <typename Search>
 HWY_NOINLINE bool search_octree(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
                                 uint32_t instance, Search& search) {
   const Octree& octree = scene.octrees[collection.octree];
-  if (is_too_far_for_cells(octree.box(), ray.origin_vector()))
-    return search_list(collection, ray, instance, search);
-  const Passage passage = passage_through(with_margin(octree.box()), ray);
-  if (passage.is_empty() || passage.begin > search.t_far()) return false;
-  CellTests tests(scene, collection, ray, instance, search);
-  OctreeWalk walk(scene, octree, ray, passage.begin, search);
-  do {
-    const OctreeCell* const cell = walk.cell();
-    if (tests.test(cell ? cell->first_pointer : 0, cell ? cell->pointer_count : 0)) return true;
-  } while (walk.exit() <= search.t_far() && walk.advance());
-  return false;
+  return search_cells(scene, collection, octree.box(), ray, instance, search,
+                      [&](double entry) HWY_ATTR { return OctreeWalk(scene, octree, ray, entry, search); });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -104,6 +104,8 @@ class Builder {
   }
 
   void close(const OpenNode& open) {
+    check_count(arrays_.primitive_pointers.size() + open.primitives.size(),
+                "pointers from cells to primitives", "--max-primitives");
     OctreeCell cell;
     cell.name = open.name;
     cell.first_pointer = static_cast<uint32_t>(arrays_.primitive_pointers.size());
@@ -116,6 +118,7 @@ class Builder {
 
   void fill_hash_table() {
     octree_.place_count = options_.octree_hash;
+    check_count(arrays_.octree_hash.size() + options_.octree_hash, "places of hash tables", "--octree-hash");
     arrays_.octree_hash.resize(octree_.first_place + octree_.place_count, kNone);
     for (uint32_t i = octree_.cell_count; i-- > 0;) {  // from behind: chains lead onward
       OctreeCell& cell = arrays_.octree_cells[octree_.first_cell + i];

@@ -7,8 +7,8 @@
 
 namespace rayfarm {
 
-/// An octree's lists name its primitives at most so often, 4096 times more in all: cells are divided level by
-/// level, and no further.
+/// Cells are divided, level by level, while an octree's lists name its primitives at most so often, 4096
+/// times more in all.
 inline constexpr size_t kMostPointersForEach = 32;
 
 /// Appends an octree over the primitives of `source`, of which `pointers` has the names, to `arrays`; returns

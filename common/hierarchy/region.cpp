@@ -30,14 +30,23 @@ class Search {
   }
 
   bool is_done() const { return found_ == Presence::certain; }
+  /// Takes some of the patience; without any, there may be something.
+  bool is_over() {
+    if (is_done()) return true;
+    if (patience_ == 0) {
+      note(Presence::possible);
+      return true;
+    }
+    --patience_;
+    return false;
+  }
   void note(Presence presence) { found_ = std::max(found_, presence); }
 
   /// Depth first, with a stack of its own: hierarchies may be deep.
   void walk(const ChildRef& root, std::span<const VolumeNode> nodes, std::span<const HalfSpace> region) {
     std::vector<ChildRef> stack{root};
     while (!stack.empty() && !is_done()) {
-      if (patience_ == 0) return note(Presence::possible);
-      --patience_;
+      if (is_over()) return;
       const ChildRef child = stack.back();
       stack.pop_back();
       if (child.kind() != ChildKind::inner) {
@@ -60,7 +69,8 @@ class Search {
           if (!is_done()) enter(scene_.instances[i], scene_.poses[i]);
         return;
       case ChildKind::triangles:
-        for (const TriangleBlock& block : scene_.triangle_blocks.subspan(leaf.first, leaf.count()))
+        for (const TriangleBlock& block : scene_.triangle_blocks.subspan(leaf.first, leaf.count())) {
+          if (is_over()) return;
           for (size_t lane = 0; lane < 8; ++lane) {
             if (block.primitives[lane] == kNoPrimitive) continue;
             std::array<Vec3, 3> corners;
@@ -69,14 +79,18 @@ class Search {
                             block.vertices[v][2][lane]};
             look_at(corners);
           }
+        }
         return;
       case ChildKind::spheres:
-        for (const SphereBlock& block : scene_.sphere_blocks.subspan(leaf.first, leaf.count()))
+        for (const SphereBlock& block : scene_.sphere_blocks.subspan(leaf.first, leaf.count())) {
+          if (is_over()) return;
           for (const uint32_t i : block.spheres)
             if (i != kNone) look_at(scene_.spheres[i]);
+        }
         return;
       case ChildKind::mixed:
         for (const PrimitiveId id : scene_.leaf_primitives.subspan(leaf.first, leaf.count())) {
+          if (is_over()) return;
           if (id.kind() == PrimitiveKind::polygon)
             look_at(scene_.points_of(scene_.polygons[id.index()]));
           else if (id.kind() == PrimitiveKind::collection)

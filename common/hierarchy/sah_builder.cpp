@@ -277,6 +277,7 @@ class SahBuilder {
     Costs costs{};
     for (size_t slots = 2; slots <= kSlots; ++slots) {
       costs[slots] = std::numeric_limits<float>::infinity();
+      node.split[slots] = 1;  // if no sum is finite
       for (size_t k = 1; k < slots; ++k) {
         const float cost = left[k] + right[slots - k];
         if (cost < costs[slots]) {

@@ -34,4 +34,16 @@ OctreeStorage storage_of(const Scene& scene, const Octree& octree) {
   return storage;
 }
 
+GridStorage storage_of_grids(const Scene& scene) {
+  GridStorage storage;
+  for (const Grid& grid : scene.grids) storage += storage_of(scene, grid);
+  return storage;
+}
+
+OctreeStorage storage_of_octrees(const Scene& scene) {
+  OctreeStorage storage;
+  for (const Octree& octree : scene.octrees) storage += storage_of(scene, octree);
+  return storage;
+}
+
 }  // namespace rayfarm

@@ -21,5 +21,8 @@ struct OctreeStorage {
 
 GridStorage storage_of(const Scene& scene, const Grid& grid);
 OctreeStorage storage_of(const Scene& scene, const Octree& octree);
+/// Of all together.
+GridStorage storage_of_grids(const Scene& scene);
+OctreeStorage storage_of_octrees(const Scene& scene);
 
 }  // namespace rayfarm

@@ -1,5 +1,6 @@
 #pragma once
 // How hierarchies are built.
+#include <array>
 #include <atomic>
 #include <cstdint>
 
@@ -19,6 +20,8 @@ enum class Hierarchy : uint8_t {
   object     ///< bounding volumes about the objects and groups of the scene (2.6.1; Weghorst, Hooper and
              ///< Greenberg 1984)
 };
+/// Here and below: words for the values, in their order, on the command line and in scenes.
+inline constexpr std::array kHierarchyWords{"sah", "thesis", "regular", "adaptive", "brute", "object"};
 
 /// The shapes of bounding volumes.
 enum class VolumeKind : uint32_t {
@@ -31,6 +34,8 @@ inline constexpr size_t kVolumeKinds = 4;
 
 /// Which bounding volumes objects and groups get. The first are those of VolumeKind.
 enum class BoundChoice : uint8_t { sphere, box, cylinder, slabs, best, none };
+inline constexpr std::array kBoundWords{"sphere", "box", "cylinder", "slabs", "best"};     ///< of a hierarchy
+inline constexpr std::array kOneBoundWords{"sphere", "box", "cylinder", "slabs", "none"};  ///< of a node
 
 /// What groups of objects are.
 enum class Clusters : uint8_t {
@@ -38,18 +43,21 @@ enum class Clusters : uint8_t {
   none,      ///< objects stand in a flat list
   automatic  ///< near ones are put together
 };
+inline constexpr std::array kClustersWords{"groups", "none", "automatic"};
 
 /// In which order a ray looks into the bounding volumes that it meets.
 enum class ObjectOrder : uint32_t {
   sorted,  ///< by where it enters them, until a hit is nearer (thesis Figure 4.4, Weghorst's Figure 4)
   all      ///< all of them (thesis Figure 2.15)
 };
+inline constexpr std::array kObjectOrderWords{"sorted", "all"};
 
 /// From where the rays come for which the best bounding volumes are chosen.
 enum class BoundsFor : uint8_t {
   all,  ///< anywhere: volume stands for what they see of a shape
   eye   ///< the camera, at the first frame
 };
+inline constexpr std::array kBoundsForWords{"all", "eye"};
 
 /// Of Hierarchy::object.
 struct ObjectOptions {
@@ -66,12 +74,14 @@ enum class BuildQuality : uint8_t {
   balanced,  ///< spatial splits where they are seen to pay, up to 1.3 references a primitive on average
   high       ///< up to 2
 };
+inline constexpr std::array kBuildQualityWords{"fast", "balanced", "high"};
 
 /// How an octree finds what a cell holds.
 enum class OctreeData : uint8_t {
   hash,     ///< by the cell's name in a hash table (Glassner; thesis 2.6.2)
   pointers  ///< from the cell's node
 };
+inline constexpr std::array kOctreeDataWords{"hash", "pointers"};
 
 /// How an octree finds the next cell on a ray's way (Shirley, Sung and Brown, 2.3). All find the same.
 enum class OctreeNext : uint32_t {
@@ -79,6 +89,7 @@ enum class OctreeNext : uint32_t {
   walk,  ///< by the same point, upward from the parent until it is inside, and down again (tree walking)
   dda    ///< by steps of whole numbers across one face, from the smallest node that holds both cells
 };
+inline constexpr std::array kOctreeNextWords{"root", "walk", "dda"};
 
 /// How far a build is, for those who watch it from another thread.
 struct BuildProgress {

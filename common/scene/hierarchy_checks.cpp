@@ -161,8 +161,7 @@ void check_pointers(const Scene& s) {
   }
 }
 
-/// `before`: the collections that may stand in it.
-void check_collection(const Scene& s, const Collection& c, size_t before, TreeChecks& volumes) {
+void check_collection(const Scene& s, const Collection& c, TreeChecks& volumes) {
   require(c.structure <= Structure::object, "a collection's structure");
   require((c.structure == Structure::object) == (c.tree != kNone) &&
               (c.tree == kNone || c.tree < s.bounding_trees.size()),
@@ -179,16 +178,87 @@ void check_collection(const Scene& s, const Collection& c, size_t before, TreeCh
   check_range(s.sphere_blocks.size(), c.first_sphere_block, c.sphere_block_count, "a collection's spheres");
   check_range(s.leaf_primitives.size(), c.first_leaf_primitive, c.leaf_primitive_count,
               "a collection's primitives");
-  for (const PrimitiveId id : s.leaf_primitives.subspan(c.first_leaf_primitive, c.leaf_primitive_count))
-    require(id.kind() != PrimitiveKind::collection || id.index() < before, "a collection in a collection");
 }
 
 void check_collections(const Scene& s, TreeChecks& volumes) {
-  for (size_t i = 0; i < s.collections.size(); ++i) check_collection(s, s.collections[i], i, volumes);
+  for (const Collection& c : s.collections) check_collection(s, c, volumes);
   for (const Grid& grid : s.grids) check_grid(s, grid);
   for (const Octree& octree : s.octrees) check_octree(s, octree);
   check_pointers(s);
 }
+
+/// Collections in collections: a ray's way through them ends, and soon. Trees, grids and octrees are known to
+/// be whole.
+class NestingChecks {
+ public:
+  explicit NestingChecks(const Scene& s)
+      : s_(s),
+        inside_(s.collections.size()),
+        is_grid_owned_(s.grids.size()),
+        is_octree_owned_(s.octrees.size()) {}
+
+  /// What is in collection `index` stands before it, so it is checked already; kNone: a part's own.
+  void check(const Collection& c, uint32_t index) {
+    Inside inside;
+    for (const PrimitiveId id : s_.leaf_primitives.subspan(c.first_leaf_primitive, c.leaf_primitive_count)) {
+      if (id.kind() != PrimitiveKind::collection) continue;
+      require(id.index() < s_.collections.size() && id.index() < index, "a collection in a collection");
+      inside.levels = std::max(inside.levels, 1 + inside_[id.index()].levels);
+      inside.searches += 1 + inside_[id.index()].searches;
+      require(inside.levels <= kMostLevels && inside.searches <= kMostSearches, "collections in each other");
+    }
+    if (index != kNone) inside_[index] = inside;
+    check_tree(c);
+    if (c.grid != kNone) {
+      require(!is_grid_owned_[c.grid], "a collection's grid");
+      is_grid_owned_[c.grid] = true;
+      const Grid& grid = s_.grids[c.grid];
+      const uint32_t begin = s_.grid_cells[grid.first_cell],
+                     end = s_.grid_cells[grid.first_cell + grid.cell_count()];
+      check_list(c, begin, end - begin);
+    }
+    if (c.octree != kNone) {
+      require(!is_octree_owned_[c.octree], "a collection's octree");
+      is_octree_owned_[c.octree] = true;
+      const Octree& octree = s_.octrees[c.octree];
+      for (const OctreeCell& cell : s_.octree_cells.subspan(octree.first_cell, octree.cell_count))
+        check_list(c, cell.first_pointer, cell.pointer_count);
+    }
+  }
+
+ private:
+  static constexpr size_t kMostLevels = 66;  ///< objects in YAML nest 64 deep
+  static constexpr uint64_t kMostSearches = 1 << 24;
+  struct Inside {
+    size_t levels = 0;      ///< of collections
+    uint64_t searches = 0;  ///< that one search may come to
+  };
+
+  /// What it reaches are its own primitives, among which the collections in it were looked at.
+  void check_own(const Collection& c, uint64_t first, uint64_t count) const {
+    require(first >= c.first_leaf_primitive &&
+                first + count <= uint64_t{c.first_leaf_primitive} + c.leaf_primitive_count,
+            "a collection's primitives");
+  }
+  void check_tree(const Collection& c) const {
+    std::vector<ChildRef> open{c.root};
+    while (!open.empty()) {
+      const ChildRef child = open.back();
+      open.pop_back();
+      if (child.kind() == ChildKind::mixed) check_own(c, child.first, child.count());
+      if (child.kind() != ChildKind::inner) continue;
+      for (const ChildRef& below : s_.nodes[child.first].children) open.push_back(below);
+    }
+  }
+  void check_list(const Collection& c, uint32_t first, uint32_t count) const {
+    for (const PrimitivePointer& p : s_.primitive_pointers.subspan(first, count))
+      if (p.kind() == PointerKind::other) check_own(c, p.place(), 1);
+  }
+
+  const Scene& s_;
+  std::vector<Inside> inside_;  ///< by collection
+  std::vector<bool> is_grid_owned_, is_octree_owned_;
+};
 
 }  // namespace
 
@@ -199,13 +269,16 @@ void check_hierarchy(const Scene& s) {
       primitives(s.leaf_primitives.size(), "a part's primitives");
   check_collections(s, volumes);
   for (const Part& part : s.parts) {
-    check_collection(s, part.collection, s.collections.size(), volumes);
+    check_collection(s, part.collection, volumes);
     triangles.take(part.first_triangle_block, part.triangle_block_count);
     spheres.take(part.first_sphere_block, part.sphere_block_count);
     primitives.take(part.first_leaf_primitive, part.leaf_primitive_count);
   }
   check_bounding_trees(s);
   volumes.check_nodes(false);
+  NestingChecks nesting(s);
+  for (uint32_t i = 0; i < s.collections.size(); ++i) nesting.check(s.collections[i], i);
+  for (const Part& part : s.parts) nesting.check(part.collection, kNone);
   fixed.check_root(s.head().fixed_root, true);
   fixed.check_nodes(true);
   moving.check_root(s.head().moving_root, true);

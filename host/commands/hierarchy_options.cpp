@@ -1,16 +1,20 @@
 #include "host/commands/hierarchy_options.h"
 
 namespace rayfarm {
+namespace {
+
+template <typename Value, size_t count>
+std::vector<std::pair<std::string, Value>> choices(const std::array<const char*, count>& words) {
+  std::vector<std::pair<std::string, Value>> choices;
+  for (size_t i = 0; i < count; ++i) choices.emplace_back(words[i], static_cast<Value>(i));
+  return choices;
+}
+
+}  // namespace
 
 void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.choice<Hierarchy>(
-      "--hierarchy", build.hierarchy,
-      {{"sah", Hierarchy::sah},
-       {"thesis", Hierarchy::thesis},
-       {"regular", Hierarchy::regular},
-       {"adaptive", Hierarchy::adaptive},
-       {"brute", Hierarchy::brute},
-       {"object", Hierarchy::object}},
+      "--hierarchy", build.hierarchy, choices<Hierarchy>(kHierarchyWords),
       "how primitives are arranged: volumes that are split by the surface area heuristic "
       "(sah), or about the centre of the data (thesis); equal cells (regular); cells that are halved where "
       "they hold much (adaptive); not at all "
@@ -19,8 +23,7 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.number("--max-primitives", build.max_primitives, 1, 1000,
                  "in a leaf of sah or thesis; a cell of adaptive that holds more is divided (default: 8)");
   options.choice<BuildQuality>(
-      "--build", build.quality,
-      {{"fast", BuildQuality::fast}, {"balanced", BuildQuality::balanced}, {"high", BuildQuality::high}},
+      "--build", build.quality, choices<BuildQuality>(kBuildQualityWords),
       "of sah: fast leaves primitives whole; balanced divides large ones among volumes where that pays, up "
       "to 1.3 "
       "references a primitive on average, high up to 2 (default: balanced)");
@@ -28,15 +31,13 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
                  "of regular: along each axis; 0: four cells for each primitive (default: 0)");
   options.number("--octree-depth", build.octree_depth, 1, kMostOctreeDepth,
                  "of adaptive: how often the whole may be halved (default: 16)");
-  options.choice<OctreeData>("--octree-data", build.octree_data,
-                             {{"hash", OctreeData::hash}, {"pointers", OctreeData::pointers}},
+  options.choice<OctreeData>("--octree-data", build.octree_data, choices<OctreeData>(kOctreeDataWords),
                              "of adaptive: what a cell holds is found by the cell's name in a hash table, or "
                              "from its node (default: hash)");
   options.number("--octree-hash", build.octree_hash, 1, kMostHashPlaces,
                  "of adaptive: places of the hash table (default: 1000)");
   options.choice<OctreeNext>(
-      "--octree-next", build.octree_next,
-      {{"root", OctreeNext::root}, {"walk", OctreeNext::walk}, {"dda", OctreeNext::dda}},
+      "--octree-next", build.octree_next, choices<OctreeNext>(kOctreeNextWords),
       "of adaptive: a ray's next cell is looked for from the root, from the parent upward, or by steps "
       "across "
       "faces (default: root)");
@@ -45,25 +46,17 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
                "it in others");
   ObjectOptions& objects = build.objects;
   options.choice<BoundChoice>(
-      "--bounds", objects.bounds,
-      {{"sphere", BoundChoice::sphere},
-       {"box", BoundChoice::box},
-       {"cylinder", BoundChoice::cylinder},
-       {"slabs", BoundChoice::slabs},
-       {"best", BoundChoice::best}},
+      "--bounds", objects.bounds, choices<BoundChoice>(kBoundWords),
       "of object: the bounding volumes; best: sphere, box or cylinder, by volume and cost "
       "of the test (default: best)");
   options.choice<Clusters>(
-      "--clusters", objects.clusters,
-      {{"groups", Clusters::groups}, {"none", Clusters::none}, {"automatic", Clusters::automatic}},
+      "--clusters", objects.clusters, choices<Clusters>(kClustersWords),
       "of object: the scene's groups have volumes, or objects alone, or groups of near objects (default: "
       "groups)");
-  options.choice<ObjectOrder>("--object-order", objects.order,
-                              {{"sorted", ObjectOrder::sorted}, {"all", ObjectOrder::all}},
+  options.choice<ObjectOrder>("--object-order", objects.order, choices<ObjectOrder>(kObjectOrderWords),
                               "of object: a ray looks into volumes by where it enters them, until a hit is "
                               "nearer; or into all that it meets (default: sorted)");
-  options.choice<BoundsFor>("--bounds-for", objects.bounds_for,
-                            {{"all", BoundsFor::all}, {"eye", BoundsFor::eye}},
+  options.choice<BoundsFor>("--bounds-for", objects.bounds_for, choices<BoundsFor>(kBoundsForWords),
                             "of object: best for rays from anywhere, or for those from the eye at the first "
                             "frame (default: all)");
 }

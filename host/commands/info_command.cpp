@@ -58,13 +58,11 @@ void print_references(const Scene& scene) {
 
 /// What cells weigh as the thesis counts it.
 void print_cells(const Scene& scene) {
-  GridStorage grids;
-  for (const Grid& grid : scene.grids) grids += storage_of(scene, grid);
+  const GridStorage grids = storage_of_grids(scene);
   if (!scene.grids.empty())
     fmt::print("  cells of `regular` {}, of them {} empty, pointers {}: {} bytes by the thesis's Table 4.5\n",
                grids.empty_cells + grids.full_cells, grids.empty_cells, grids.pointers, grids.bytes());
-  OctreeStorage octrees;
-  for (const Octree& octree : scene.octrees) octrees += storage_of(scene, octree);
+  const OctreeStorage octrees = storage_of_octrees(scene);
   if (!scene.octrees.empty())
     fmt::print("  nodes of `adaptive` {}, pointers {}: {} bytes by the thesis's Table 4.5\n", octrees.nodes,
                octrees.pointers, octrees.bytes());

@@ -49,6 +49,13 @@ TEST(CollectionChecks, ListsAndGridsThatWouldReadOutsideAreRefused) {
         return id.kind() == PrimitiveKind::collection && (id = make_primitive_id(id.kind(), 2), true);
       },
       "a collection in itself");
+  expect_refusal<Collection>(
+      compiled, &Scene::collections,
+      [](Collection& c) {
+        return c.leaf_primitive_count = 0,
+               c.root.kind() != ChildKind::empty && c.structure == Structure::regular;
+      },
+      "a collection that reaches what is not its own");
   expect_refusal<Grid>(
       compiled, &Scene::grids, [](Grid& grid) { return grid.cells[1] = 0, true; }, "a grid without cells");
   expect_refusal<Grid>(

@@ -1,6 +1,7 @@
 // Grids of equal cells: which cells hold what, and which a ray visits.
 #include "common/hierarchy/grid.h"
 
+#include "common/hierarchy/cells.h"
 #include "common/hierarchy/traverser.h"
 #include "common/hierarchy/walk_counts.h"
 #include "tests/unit/test_scene.h"
@@ -8,7 +9,7 @@
 namespace rayfarm {
 namespace {
 
-/// A row of five balls of radius 0.4 at x = 0.5, 1.5, …, and one at the far corner that makes the grid's box
+/// A row of five balls of radius 0.5 at x = 0.5, 1.5, …, which make the grid's box
 /// 5 × 1 × 1.
 CompiledScene make_row(uint32_t cells) {
   std::string text = test::view_text() + "scene:\n";
@@ -93,6 +94,13 @@ TEST(Grid, ARayFromVeryFarAwayMissesNothing) {
     EXPECT_EQ(closest_hit(row.scene, state.at(0), ray).t,
               closest_hit_brute_force(row.scene, state.at(0), ray).t);
   }
+}
+
+// Thirty-odd bodies as large as the scene, each in all of 512³ cells, are more pointers than indices tell
+// apart.
+TEST(Grid, MorePointersThanThereAreIndicesAreRefused) {
+  EXPECT_NO_THROW(check_count(1ull << 31, "pointers", "--cells"));
+  EXPECT_THROW(check_count((1ull << 31) + 1, "pointers", "--cells"), TooManyCells);
 }
 
 TEST(Grid, NotesSayWhatChangesNothing) {

@@ -72,11 +72,13 @@ TEST(Mailbox, SavesNothingWhereNothingIsInTwoCells) {
   balls += "  - {sphere: {center: [0.2, 0.01, 0.01], radius: 0.01}}\n";
   balls += "  - {sphere: {center: [4.99, 0.99, 0.99], radius: 0.01}}\n";
   const CompiledScene compiled = compile(test::load_yaml(test::view_text() + "scene:\n" + balls),
-                                         {.hierarchy = Hierarchy::regular, .cells = 1, .has_mailbox = true});
+                                         {.hierarchy = Hierarchy::regular, .cells = 5, .has_mailbox = true});
   FrameState state(compiled.scene);
   WalkCounts counts;
-  closest_hit_counted(compiled.scene, state.at(0), {Vec3(-1, 0.5, 0.5), Vec3(1, 0, 0)}, counts);
-  EXPECT_EQ(counts.primitives(), 7u);
+  // Above all balls, through cells that list one each.
+  closest_hit_counted(compiled.scene, state.at(0), {Vec3(-1, 0.95, 0.5), Vec3(1, 0, 0)}, counts);
+  EXPECT_EQ(counts.cells, 5u);
+  EXPECT_EQ(counts.primitives(), 5u);
   EXPECT_EQ(counts.saved_tests, 0u);
 }
 

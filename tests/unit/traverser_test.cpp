@@ -183,6 +183,21 @@ TEST(Traverser, InstancesUnderTransforms) {
   compare_packets_with_single_rays(compiled, 3, 2000);
 }
 
+/// Their costs are all the same: infinite.
+TEST(Traverser, BoxesWhoseAreasAreTooLargeForAFloatAreArrangedToo) {
+  std::string text =
+      test::view_text() + "objects: {ball: [{sphere: {center: [0, 0, 0], radius: 1.0e+13}}]}\nscene:\n";
+  for (int i = 0; i < 12; ++i)
+    text += fmt::format(
+        "  - {{use: ball, transform: [{{translate: {{0: [{}.0e+13, 0, 0], 4: [0, 0, 0]}}}}, {{scale: "
+        "1.0e+10}}]}}\n",
+        3 * i);
+  const CompiledScene compiled = compile(test::load_yaml(text));
+  FrameState state(compiled.scene);
+  const Ray ray{Vec3(0, 0, 1e25), Vec3(0, 0, -1)};
+  EXPECT_TRUE(closest_hit(compiled.scene, state.at(0), ray).is_hit());
+}
+
 TEST(Traverser, PacketsAreTheirRaysOnEverySimdTarget) {
   const CompiledScene compiled = compile(test::make_mixed_scene(12, 1, 300));
   test::on_every_target([&] { compare_packets_with_single_rays(compiled, 1, 500); });

@@ -87,10 +87,11 @@ int run_hierarchies_experiment(const ExperimentOptions& options) {
   for (size_t image = 0; image < images.size(); ++image) {
     const SceneDescription scene = load_scene((scenes / images[image]).string());
     const PictureRays rays = record_rays(scene, side_px);
+    const double list = bytes_of_list(scene);
     for (const Setting& s : make_settings(image)) {
       fmt::print(stderr, "hierarchies: image {}, {} {}\n", image + 1, s.hierarchy, s.setting);
       rows.push_back(
-          {static_cast<int>(image + 1), s.hierarchy, s.setting, run_hierarchy(scene, s.build, rays)});
+          {static_cast<int>(image + 1), s.hierarchy, s.setting, run_hierarchy(scene, s.build, rays, list)});
     }
   }
   write_text_file((folder / "hierarchies.csv").string(),

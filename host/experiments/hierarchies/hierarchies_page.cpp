@@ -42,8 +42,8 @@ std::string image_table(const std::vector<HierarchyRow>& rows, int image) {
         "| `{}` | {} | {} | {} | {} | {:.0f} | {:.0f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.0f} "
         "|\n",
         row.hierarchy, row.setting, r.cells > 0 ? r.cells : r.interior + r.leaves,
-        r.cells > 0 ? fmt::format("{:.0f} %", 100.0 * ratio(double(r.empty), double(r.cells)))
-                    : std::string(),
+        row.hierarchy == "regular" ? fmt::format("{:.0f} %", 100.0 * ratio(double(r.empty), double(r.cells)))
+                                   : std::string(),
         r.pointers, r.thesis_bytes, r.bytes, volumes_per_ray(r), primitives_per_ray(r),
         per_ray(r.eye.counts.primitives(), r.eye), per_ray(r.secondary.counts.primitives(), r.secondary),
         per_ray(r.shadow.counts.primitives(), r.shadow), r.ns_per_ray);
@@ -232,7 +232,11 @@ std::string hierarchies_page(const std::vector<HierarchyRow>& rows, int side_px)
     text += image_table(rows, image);
   }
   text += "![tests per ray](tests.svg)\n\n![time per ray](times.svg)\n\n## What holds\n\n" +
-          relations_table(rows);
+          relations_table(rows) +
+          "Of a quadric the piece in a cell is taken to be as large as its box: the sky of Image 2 is one, "
+          "and stands in all cells. "
+          "Pointers to primitives with a part in a cell are fewer in large equal cells than the thesis's; "
+          "its scenes are not known.\n\n";
   text +=
       "## Equation 4.5\n\nA ray's time is N_V · T_N + N_P · T_P + T_O. The unit times that foretell the rows "
       "above best, by least "

@@ -38,6 +38,10 @@ struct HierarchyRun {
   double ns_per_ray = 0;  ///< the least of three runs through all rays, one by one
 };
 
-HierarchyRun run_hierarchy(const SceneDescription& scene, const BuildOptions& build, const PictureRays& rays);
+/// Of all primitives once, as a list holds them.
+double bytes_of_list(const SceneDescription& scene);
+
+HierarchyRun run_hierarchy(const SceneDescription& scene, const BuildOptions& build, const PictureRays& rays,
+                           double bytes_of_list);
 
 }  // namespace rayfarm
