@@ -1,6 +1,7 @@
 #include "common/compile/parts.h"
 
 #include "common/compile/object_groups.h"
+#include "common/hierarchy/cells.h"
 #include "common/hierarchy/grid.h"
 #include "common/hierarchy/octree.h"
 #include "common/scene/array_offsets.h"
@@ -104,6 +105,18 @@ class PartSource : public PrimitiveSource {
     return {};
   }
 
+  /// True where the surface is known to pass a cell by that lies in its box; rays hit it within
+  /// `ray_error` of where they should.
+  bool passes_by(uint32_t primitive, const Box& cell, double ray_error) const {
+    const PrimitiveId id = part_.ids[primitive];
+    if (id.kind() == PrimitiveKind::quadric)
+      return ::rayfarm::passes_by(arrays_.quadrics[id.index()], cell, ray_error);
+    if (id.kind() != PrimitiveKind::sphere) return false;
+    const SphereRecord& s = arrays_.spheres[id.index()];
+    const Vec3 farthest = glm::max(glm::abs(cell.lo - s.center), glm::abs(cell.hi - s.center));
+    return glm::dot(farthest, farthest) < s.radius * s.radius * (1 - 1e-12);
+  }
+
   void chop(uint32_t primitive, const Slabs& slabs, size_t first, size_t last,
             Bounds* pieces) const override {
     if (part_.is_triangle(primitive))
@@ -130,7 +143,7 @@ class PartSource : public PrimitiveSource {
 class WholePrimitives : public PrimitiveSource {
  public:
   WholePrimitives(const PartSource& pieces, const PartPrimitives& part, const Collection& collection)
-      : pieces_(pieces) {
+      : pieces_(pieces), ray_error_(surface_error(collection.bounds)) {
     uint32_t triangle = 8 * collection.first_triangle_block, sphere = 8 * collection.first_sphere_block,
              other = collection.first_leaf_primitive;  // as pack_leaf packs them
     for (uint32_t i = 0; i < part.ids.size(); ++i) {
@@ -151,6 +164,7 @@ class WholePrimitives : public PrimitiveSource {
     return union_of(primitive, [&](uint32_t piece) { return pieces_.bounds(piece); });
   }
   Box clipped(uint32_t primitive, const Box& cell) const override {
+    if (pieces_.passes_by(first_[primitive], cell, ray_error_)) return {};
     return union_of(primitive, [&](uint32_t piece) { return pieces_.clipped(piece, cell); });
   }
   std::span<const PrimitivePointer> pointers() const { return pointers_; }
@@ -163,6 +177,7 @@ class WholePrimitives : public PrimitiveSource {
     return box;
   }
   const PartSource& pieces_;
+  double ray_error_;
   std::vector<uint32_t> first_;  ///< piece of each, and one more
   std::vector<PrimitivePointer> pointers_;
 };

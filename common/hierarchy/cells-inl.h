@@ -63,13 +63,13 @@ class CellTests {
         instance_(instance),
         search_(search),
         mailbox_(collection.has_mailbox != 0 ? &Mailbox::of_this_thread() : nullptr) {
-    if (mailbox_) search_number_ = mailbox_->begin_search(scene);
+    if (mailbox_) mailbox_search_ = mailbox_->begin_search(collection);
   }
   /// The primitives that a cell lists. True: the search is over.
   HWY_INLINE bool test(const CellList& list) {
     if constexpr (Search::kCounts) search_.count_cell(list.count == 0);
     for (const PrimitivePointer& pointer : scene_.primitive_pointers.subspan(list.first, list.count)) {
-      if (mailbox_ && !mailbox_->take(pointer, search_number_)) {
+      if (mailbox_ && !mailbox_->take(pointer, mailbox_search_)) {
         if constexpr (Search::kCounts) search_.count_saved_test();
         continue;
       }
@@ -84,7 +84,7 @@ class CellTests {
   uint32_t instance_;
   Search& search_;
   Mailbox* mailbox_;  ///< none: tests are made again
-  uint64_t search_number_ = 0;
+  Mailbox::Search mailbox_search_{};
 };
 
 /// Searches cells that fill `box`; true: the search is over. `begin_walk(entry)` makes a walk from cell to

@@ -40,6 +40,19 @@ HWY_NOINLINE bool search_collection(const Scene& scene, const Collection& collec
   return false;
 }
 
+/// The same of a collection that is a primitive of another one: what misses its box is not tested with a
+/// list. Other structures look at their boxes themselves.
+template <typename Search>
+HWY_NOINLINE bool search_inner_collection(const Scene& scene, const Collection& collection,
+                                          const PrimitiveRay& ray, uint32_t instance, Search& search) {
+  if (collection.structure == Structure::list &&
+      !is_too_far(collection.bounds.magnitude(), ray.origin_vector())) {
+    const Passage passage = passage_through(with_margin(collection.bounds), ray);
+    if (passage.is_empty() || passage.begin > search.t_far()) return false;
+  }
+  return search_collection(scene, collection, ray, instance, search);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace rayfarm
 HWY_AFTER_NAMESPACE();

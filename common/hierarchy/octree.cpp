@@ -38,6 +38,7 @@ class Builder {
     OpenNode all{0, 1, {}};
     for (uint32_t i = 0; i < source_.size(); ++i) all.primitives.push_back(i);
     pointer_count_ = all.primitives.size();
+    if (options_.progress) options_.progress->total += pointer_count_;
     std::vector<OpenNode> level;
     level.push_back(std::move(all));
     while (!level.empty()) {
@@ -70,6 +71,7 @@ class Builder {
     throw_if_stopped(options_.stop);
     const OctreeNode parent = node(open.node);
     node(open.node).is_divided = 1;
+    const size_t pointers_before = pointer_count_;
     pointer_count_ -= open.primitives.size();
     uint32_t previous = kNone;
     for (uint32_t octant = 0; octant < 8; ++octant) {
@@ -87,6 +89,7 @@ class Builder {
       pointer_count_ += inside.size();
       next.push_back({index, 8 * open.name + octant, std::move(inside)});
     }
+    if (options_.progress) options_.progress->total += pointer_count_ - pointers_before;
   }
 
   Box box_of(const OctreeNode& node) const {
@@ -114,6 +117,7 @@ class Builder {
     if (options_.octree_data == OctreeData::pointers)
       node(open.node).child = static_cast<uint32_t>(arrays_.octree_cells.size()) - octree_.first_cell;
     arrays_.octree_cells.push_back(cell);
+    if (options_.progress) options_.progress->done += open.primitives.size();
   }
 
   void fill_hash_table() {

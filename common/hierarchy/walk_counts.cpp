@@ -83,7 +83,8 @@ class Counting : public Search {
     for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
       const PrimitiveId id = scene_->leaf_primitives[i];
       if (id.kind() == PrimitiveKind::collection) {
-        if (search_collection(*scene_, scene_->collections[id.index()], ray, instance, *this)) return true;
+        if (search_inner_collection(*scene_, scene_->collections[id.index()], ray, instance, *this))
+          return true;
         continue;
       }
       ++(id.kind() == PrimitiveKind::polygon ? counts_->polygons : counts_->quadrics);

@@ -18,6 +18,7 @@
 #include "common/scene/settings_codec.h"
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
+#include "tests/fuzz/block_seeds.h"
 #include "tests/read_in_pieces.h"
 #include "tests/render_little.h"
 #include "tests/scene_text.h"
@@ -231,16 +232,6 @@ SceneBlock block_of(const std::string& bytes) {
   block.data.reset(static_cast<std::byte*>(std::aligned_alloc(64, (bytes.size() + 64) / 64 * 64)));
   std::memcpy(block.data.get(), bytes.data(), bytes.size());
   return block;
-}
-
-std::vector<std::string> block_seeds() {
-  std::vector<std::string> seeds;
-  for (const char* name : {"primitives", "animation", "materials", "tiles", "glasses", "gloss"}) {
-    const CompiledScene compiled =
-        compile(load_scene(std::string(RAYFARM_SOURCE "/scenes/") + name + ".yaml"));
-    if (compiled.block.size < 1 << 18) seeds.push_back(text_of(compiled.block.bytes()));
-  }
-  return seeds;
 }
 
 std::vector<std::string> part_seeds(const Folder& folder) {
