@@ -60,8 +60,12 @@ TEST_P(EveryScene, LooksTheSameInEveryHierarchy) {
   const int width_px = is_large ? 10 : 24, height_px = is_large ? 8 : 18;
   const std::vector<std::byte> expected = pixels_of(description, {}, width_px, height_px);
   EXPECT_NE(std::adjacent_find(expected.begin(), expected.end(), std::not_equal_to<>()), expected.end());
+  // Where most of the time goes into placing hundreds of thousands of copies, each with a part of its own,
+  // two hierarchies are enough.
+  const bool has_many_copies = compile(description).scene.instances.size() > 100'000;
   for (const auto& [name, build] : other_hierarchies())
-    EXPECT_EQ(pixels_of(description, build, width_px, height_px), expected) << name;
+    if (!has_many_copies || name == "object" || name == "regular")
+      EXPECT_EQ(pixels_of(description, build, width_px, height_px), expected) << name;
 }
 
 INSTANTIATE_TEST_SUITE_P(, EveryScene, testing::ValuesIn(scene_files()), [](const auto& scene) {
