@@ -191,7 +191,8 @@ void add_notes_of_idle(const SceneDescription& description, Notes& notes) {
 bool is_usual_octree(const BuildOptions& options) {
   const BuildOptions usual;
   return options.octree_data == usual.octree_data && options.octree_next == usual.octree_next &&
-         options.octree_depth == usual.octree_depth && options.octree_hash == usual.octree_hash;
+         options.octree_build == usual.octree_build && options.octree_depth == usual.octree_depth &&
+         options.octree_hash == usual.octree_hash;
 }
 
 /// What options can't change.

@@ -46,20 +46,16 @@ HWY_INLINE double distance_to_plane(const PrimitiveRay& ray, size_t axis, double
                                   : (plane - ray.origin[axis]) / ray.direction[axis];
 }
 
-/// A part of primitive_pointers.
-struct CellList {
-  uint32_t first, count;
-};
+using CellList = std::span<const PrimitivePointer>;
 
 /// Tests the lists of cells on a ray's way, with a mailbox each primitive once (Shirley, Sung and
 /// Brown, 2.3).
 template <typename Search>
 class CellTests {
  public:
-  HWY_INLINE CellTests(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
-                       uint32_t instance, Search& search)
-      : scene_(scene),
-        ray_(ray),
+  HWY_INLINE CellTests(const Collection& collection, const PrimitiveRay& ray, uint32_t instance,
+                       Search& search)
+      : ray_(ray),
         instance_(instance),
         search_(search),
         mailbox_(collection.has_mailbox != 0 ? &Mailbox::of_this_thread() : nullptr) {
@@ -67,8 +63,8 @@ class CellTests {
   }
   /// The primitives that a cell lists. True: the search is over.
   HWY_INLINE bool test(const CellList& list) {
-    if constexpr (Search::kCounts) search_.count_cell(list.count == 0);
-    for (const PrimitivePointer& pointer : scene_.primitive_pointers.subspan(list.first, list.count)) {
+    if constexpr (Search::kCounts) search_.count_cell(list.empty());
+    for (const PrimitivePointer& pointer : list) {
       if (mailbox_ && !mailbox_->take(pointer, mailbox_search_)) {
         if constexpr (Search::kCounts) search_.count_saved_test();
         continue;
@@ -79,7 +75,6 @@ class CellTests {
   }
 
  private:
-  const Scene& scene_;
   const PrimitiveRay& ray_;
   uint32_t instance_;
   Search& search_;
@@ -97,7 +92,7 @@ HWY_INLINE bool search_cells(const Scene& scene, const Collection& collection, c
   if (is_too_far_for_cells(box, ray.origin_vector())) return search_list(collection, ray, instance, search);
   const Passage passage = passage_through(with_margin(box), ray);
   if (passage.is_empty() || passage.begin > search.t_far()) return false;
-  CellTests tests(scene, collection, ray, instance, search);
+  CellTests tests(collection, ray, instance, search);
   auto walk = begin_walk(passage.begin);
   do {
     if (tests.test(walk.list())) return true;

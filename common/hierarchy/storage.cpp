@@ -1,5 +1,7 @@
 #include "common/hierarchy/storage.h"
 
+#include "common/scene/tracing_state.h"
+
 namespace rayfarm {
 
 GridStorage& GridStorage::operator+=(const GridStorage& other) {
@@ -27,7 +29,12 @@ GridStorage storage_of(const Scene& scene, const Grid& grid) {
   return storage;
 }
 
-OctreeStorage storage_of(const Scene& scene, const Octree& octree) {
+OctreeStorage storage_of(const Scene& scene, uint32_t index) {
+  const Octree& octree = scene.octrees[index];
+  if (GrownOctree* const grown = scene.tracing ? scene.tracing->octrees[index].get() : nullptr) {
+    const std::scoped_lock lock(grown->mutex);
+    return {grown->nodes.size(), grown->pointer_count, grown->table.size()};
+  }
   OctreeStorage storage{octree.node_count, 0, octree.place_count};
   for (const OctreeCell& cell : scene.octree_cells.subspan(octree.first_cell, octree.cell_count))
     storage.pointers += cell.pointer_count;
@@ -42,7 +49,7 @@ GridStorage storage_of_grids(const Scene& scene) {
 
 OctreeStorage storage_of_octrees(const Scene& scene) {
   OctreeStorage storage;
-  for (const Octree& octree : scene.octrees) storage += storage_of(scene, octree);
+  for (uint32_t i = 0; i < scene.octrees.size(); ++i) storage += storage_of(scene, i);
   return storage;
 }
 

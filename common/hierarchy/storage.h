@@ -20,7 +20,8 @@ struct OctreeStorage {
 };
 
 GridStorage storage_of(const Scene& scene, const Grid& grid);
-OctreeStorage storage_of(const Scene& scene, const Octree& octree);
+/// Of the octree with this index; of one that is built while tracing what has been made so far.
+OctreeStorage storage_of(const Scene& scene, uint32_t octree);
 /// Of all together.
 GridStorage storage_of_grids(const Scene& scene);
 OctreeStorage storage_of_octrees(const Scene& scene);

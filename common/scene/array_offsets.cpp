@@ -119,8 +119,8 @@ void shift(BoundingNode& node, const ArrayOffsets& o) {
 }
 
 void shift(Octree& octree, const ArrayOffsets& o) {
-  auto& [low, unit, size, next, first_node, node_count, first_cell, cell_count, first_place, place_count] =
-      octree;
+  auto& [low, unit, size, next, first_node, node_count, first_cell, cell_count, first_place, place_count,
+         max_primitives, build] = octree;
   first_node += o.octree_nodes;
   first_cell += o.octree_cells;
   first_place += o.octree_hash;

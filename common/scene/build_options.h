@@ -91,6 +91,14 @@ enum class OctreeNext : uint32_t {
 };
 inline constexpr std::array kOctreeNextWords{"root", "walk", "dda"};
 
+/// When an octree's cells are divided (Shirley, Sung and Brown, 2.3.2: "statically before ray tracing starts,
+/// or dynamically during ray tracing").
+enum class OctreeBuild : uint32_t {
+  before,
+  tracing  ///< when a ray first comes into them
+};
+inline constexpr std::array kOctreeBuildWords{"before", "tracing"};
+
 /// How far a build is, for those who watch it from another thread.
 struct BuildProgress {
   std::atomic<uint64_t> total = 0, done = 0;  ///< primitives
@@ -102,8 +110,9 @@ struct BuildOptions {
   BuildQuality quality = BuildQuality::balanced;  ///< of Hierarchy::sah
   uint32_t cells =
       0;  ///< of Hierarchy::regular, along each axis; 0: so that there are four for each primitive
-  OctreeData octree_data = OctreeData::hash;  ///< these four of Hierarchy::adaptive
+  OctreeData octree_data = OctreeData::hash;  ///< these five of Hierarchy::adaptive
   OctreeNext octree_next = OctreeNext::root;
+  OctreeBuild octree_build = OctreeBuild::before;
   uint32_t octree_depth = 16;   ///< a cell may be as small as the whole halved so often
   uint32_t octree_hash = 1000;  ///< places of the hash table (the thesis's number)
   bool has_mailbox = false;     ///< cells remember what a ray has been tested with (of those two)

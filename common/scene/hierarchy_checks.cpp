@@ -111,6 +111,10 @@ void check_octree(const Scene& s, const Octree& octree) {
   check_range(s.octree_nodes.size(), octree.first_node, octree.node_count, "an octree's nodes");
   check_range(s.octree_cells.size(), octree.first_cell, octree.cell_count, "an octree's cells");
   check_range(s.octree_hash.size(), octree.first_place, octree.place_count, "an octree's hash table");
+  require(octree.max_primitives > 0, "an octree's cut");
+  require(octree.build == OctreeBuild::before ||
+              (octree.build == OctreeBuild::tracing && octree.node_count == 1 && octree.cell_count == 1),
+          "an octree that is built while tracing");
   const auto nodes = s.octree_nodes.subspan(octree.first_node, octree.node_count);
   require(!nodes.empty() && nodes[0].size == octree.size && nodes[0].sibling == kNone, "an octree's root");
   for (const uint32_t center : nodes[0].center) require(center == octree.size / 2, "an octree's root");

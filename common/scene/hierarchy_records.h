@@ -106,6 +106,10 @@ struct Octree {
   uint32_t first_node = 0, node_count = 0;    ///< in octree_nodes; the first is the root
   uint32_t first_cell = 0, cell_count = 0;    ///< in octree_cells
   uint32_t first_place = 0, place_count = 0;  ///< of the hash table, in octree_hash; none: by pointers
+  uint32_t max_primitives = 1;                ///< a cell that holds more is divided
+  /// While tracing: the octree is one cell here, and what is made of it belongs to the process
+  /// (TracingState).
+  OctreeBuild build = OctreeBuild::before;
   Box box() const { return {low, low + Vec3(unit * size)}; }
 };
 

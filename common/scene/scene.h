@@ -3,6 +3,7 @@
 // every node of a machine. Indices, never pointers. A Scene is a view: it owns nothing and is cheap to copy.
 #include <array>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -140,10 +141,13 @@ template <typename T>
 using GrowingArray = LargeVector<T>;
 
 struct RayLog;
+struct TracingState;
 
 /// A view of the block.
 struct Scene : SceneArrays<ArrayView> {
   RayLog* ray_log = nullptr;  ///< where rays are written down as they are traced; seldom anywhere
+  /// What this process makes of the scene as rays are traced, the same for all copies; null where nothing is.
+  std::shared_ptr<TracingState> tracing;
 
   const SceneHeader& head() const { return header.front(); }
   std::span<const Vec3> points_of(const Polygon& p) const {

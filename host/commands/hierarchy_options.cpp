@@ -41,6 +41,9 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
       "of adaptive: a ray's next cell is looked for from the root, from the parent upward, or by steps "
       "across "
       "faces (default: root)");
+  options.choice<OctreeBuild>("--octree-build", build.octree_build, choices<OctreeBuild>(kOctreeBuildWords),
+                              "of adaptive: cells are divided before rays are traced, or when a ray first "
+                              "comes into them (default: before)");
   options.flag("--mailbox", build.has_mailbox,
                "of regular and adaptive: a primitive that a ray was tested with in a cell is not tested with "
                "it in others");

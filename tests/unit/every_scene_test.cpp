@@ -21,6 +21,8 @@ std::vector<std::pair<std::string, BuildOptions>> other_hierarchies() {
             .octree_next = OctreeNext::dda,
             .octree_depth = 8,
             .has_mailbox = true}},
+          {"adaptive, made while rays are traced",
+           {.hierarchy = Hierarchy::adaptive, .max_primitives = 4, .octree_build = OctreeBuild::tracing}},
           {"brute", {.hierarchy = Hierarchy::brute}},
           {"object", {.hierarchy = Hierarchy::object}},
           {"object, clustered",

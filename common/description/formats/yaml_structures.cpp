@@ -29,6 +29,7 @@ void read_octree(YamlMap& options, BuildOptions& build) {
   if (build.octree_data == OctreeData::hash)
     if (auto v = options.find("hash")) build.octree_hash = whole_number(*v, 1, int{kMostHashPlaces});
   if (auto v = options.find("next")) build.octree_next = read_word<OctreeNext>(*v, kOctreeNextWords);
+  if (auto v = options.find("build")) build.octree_build = read_word<OctreeBuild>(*v, kOctreeBuildWords);
   if (auto v = options.find("mailbox")) build.has_mailbox = v->boolean();
 }
 
