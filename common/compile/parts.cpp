@@ -2,6 +2,7 @@
 
 #include "common/compile/object_groups.h"
 #include "common/hierarchy/grid.h"
+#include "common/hierarchy/octant_tree.h"
 #include "common/hierarchy/octree.h"
 #include "common/scene/array_offsets.h"
 
@@ -203,7 +204,9 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
     throw_if_stopped(options.stop);
     return pack_leaf(r, primitives, arrays.spheres, leaves);
   };
-  const bool has_volumes = options.hierarchy == Hierarchy::sah || options.hierarchy == Hierarchy::thesis;
+  const bool has_volumes =
+      options.hierarchy == Hierarchy::sah ||
+      (options.hierarchy == Hierarchy::thesis && options.thesis.volumes == ThesisVolumes::boxes);
   collection.structure = has_volumes ? Structure::volumes : Structure::list;
   std::vector<PlacedObject> objects;
   if (has_volumes)
@@ -216,15 +219,6 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
   collection.sphere_block_count = count_behind(arrays.sphere_blocks, collection.first_sphere_block);
   collection.leaf_primitive_count = count_behind(arrays.leaf_primitives, collection.first_leaf_primitive);
   if (has_volumes || options.hierarchy == Hierarchy::brute) return collection;
-  const WholePrimitives whole(source, primitives, collection);
-  collection.has_mailbox = options.has_mailbox ? 1 : 0;
-  if (options.hierarchy == Hierarchy::regular) {
-    collection.structure = Structure::regular;
-    collection.grid = build_grid(whole, whole.pointers(), options, arrays);
-  } else {
-    collection.structure = Structure::adaptive;
-    collection.octree = build_octree(whole, whole.pointers(), options, arrays);
-  }
   if (options.hierarchy == Hierarchy::object) {
     if (placed) {
       *placed = std::move(objects);
@@ -233,6 +227,19 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
       collection.tree =
           build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
     }
+    return collection;
+  }
+  const WholePrimitives whole(source, primitives, collection);
+  collection.has_mailbox = options.has_mailbox ? 1 : 0;
+  if (options.hierarchy == Hierarchy::regular) {
+    collection.structure = Structure::regular;
+    collection.grid = build_grid(whole, whole.pointers(), options, arrays);
+  } else if (options.hierarchy == Hierarchy::adaptive) {
+    collection.structure = Structure::adaptive;
+    collection.octree = build_octree(whole, whole.pointers(), options, arrays);
+  } else {
+    collection.structure = Structure::octants;
+    collection.octants = build_octant_tree(whole, whole.pointers(), options, arrays);
   }
   return collection;
 }

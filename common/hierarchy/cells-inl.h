@@ -1,4 +1,5 @@
-// What rays do in cells, of grids and octrees alike. Compiled once for each SIMD target.
+// What rays do in cells, of grids and octrees alike, and in other lists of primitives. Compiled once for each
+// SIMD target.
 #if defined(RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
 #undef RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
@@ -51,7 +52,7 @@ struct CellList {
   uint32_t first, count;
 };
 
-/// Tests the lists of cells on a ray's way, with a mailbox each primitive once (Shirley, Sung and
+/// Tests the lists on a ray's way, with a mailbox each primitive once (Shirley, Sung and
 /// Brown, 2.3).
 template <typename Search>
 class CellTests {
@@ -65,9 +66,8 @@ class CellTests {
         mailbox_(collection.has_mailbox != 0 ? &Mailbox::of_this_thread() : nullptr) {
     if (mailbox_) search_number_ = mailbox_->begin_search(scene);
   }
-  /// The primitives that a cell lists. True: the search is over.
+  /// The primitives of a list. True: the search is over.
   HWY_INLINE bool test(const CellList& list) {
-    if constexpr (Search::kCounts) search_.count_cell(list.count == 0);
     for (const PrimitivePointer& pointer : scene_.primitive_pointers.subspan(list.first, list.count)) {
       if (mailbox_ && !mailbox_->take(pointer, search_number_)) {
         if constexpr (Search::kCounts) search_.count_saved_test();
@@ -100,7 +100,9 @@ HWY_INLINE bool search_cells(const Scene& scene, const Collection& collection, c
   CellTests tests(scene, collection, ray, instance, search);
   auto walk = begin_walk(passage.begin);
   do {
-    if (tests.test(walk.list())) return true;
+    const CellList list = walk.list();
+    if constexpr (Search::kCounts) search.count_cell(list.count == 0);
+    if (tests.test(list)) return true;
   } while (walk.exit() <= search.t_far() && walk.advance());
   return false;
 }
