@@ -222,11 +222,11 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
   if (options.hierarchy == Hierarchy::object) {
     if (placed) {
       *placed = std::move(objects);
-    } else {
-      collection.structure = Structure::object;
-      collection.tree =
-          build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
+      return collection;
     }
+    collection.structure = Structure::object;
+    collection.tree =
+        build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
     return collection;
   }
   const WholePrimitives whole(source, primitives, collection);
