@@ -72,6 +72,7 @@ bool OctantDivider::clip(const VolumeData& volume, const Vec3& center, Octants& 
     for (VolumeData& octant : octants) octant.references.clear();
     return false;
   }
+  if (options_.progress) options_.progress->total += total - volume.references.size();
   for (VolumeData& octant : octants) {
     octant.depth = volume.depth + 1;
     octant.growth = volume.growth * static_cast<double>(total) / size;
