@@ -2,6 +2,7 @@
 
 #include "common/compile/object_groups.h"
 #include "common/hierarchy/grid.h"
+#include "common/hierarchy/octant_tree.h"
 #include "common/hierarchy/octree.h"
 #include "common/hierarchy/primitive_bounds.h"
 #include "common/scene/array_offsets.h"
@@ -138,7 +139,9 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
     throw_if_stopped(options.stop);
     return pack_leaf(r, primitives, arrays.spheres, leaves);
   };
-  const bool has_volumes = options.hierarchy == Hierarchy::sah || options.hierarchy == Hierarchy::thesis;
+  const bool has_volumes =
+      options.hierarchy == Hierarchy::sah ||
+      (options.hierarchy == Hierarchy::thesis && options.thesis.volumes == ThesisVolumes::boxes);
   collection.structure = has_volumes ? Structure::volumes : Structure::list;
   std::vector<PlacedObject> objects;
   if (has_volumes)
@@ -168,9 +171,12 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
   if (options.hierarchy == Hierarchy::regular) {
     collection.structure = Structure::regular;
     collection.grid = build_grid(whole, pointers, options, arrays);
-  } else {
+  } else if (options.hierarchy == Hierarchy::adaptive) {
     collection.structure = Structure::adaptive;
     collection.octree = build_octree(whole, pointers, options, arrays);
+  } else {
+    collection.structure = Structure::octants;
+    collection.octants = build_octant_tree(whole, pointers, options, arrays);
   }
   return collection;
 }

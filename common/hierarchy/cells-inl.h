@@ -1,4 +1,5 @@
-// What rays do in cells, of grids and octrees alike. Compiled once for each SIMD target.
+// What rays do in cells, of grids and octrees alike, and in other lists of primitives. Compiled once for each
+// SIMD target.
 #if defined(RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
 #undef RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
@@ -48,7 +49,7 @@ HWY_INLINE double distance_to_plane(const PrimitiveRay& ray, size_t axis, double
 
 using CellList = std::span<const PrimitivePointer>;
 
-/// Tests the lists of cells on a ray's way, with a mailbox each primitive once (Shirley, Sung and
+/// Tests the lists on a ray's way, with a mailbox each primitive once (Shirley, Sung and
 /// Brown, 2.3).
 template <typename Search>
 class CellTests {
@@ -61,9 +62,8 @@ class CellTests {
         mailbox_(collection.has_mailbox != 0 ? &Mailbox::of_this_thread() : nullptr) {
     if (mailbox_) mailbox_search_ = mailbox_->begin_search(collection);
   }
-  /// The primitives that a cell lists. True: the search is over.
+  /// The primitives of a list. True: the search is over.
   HWY_INLINE bool test(const CellList& list) {
-    if constexpr (Search::kCounts) search_.count_cell(list.empty());
     for (const PrimitivePointer& pointer : list) {
       if (mailbox_ && !mailbox_->take(pointer, mailbox_search_)) {
         if constexpr (Search::kCounts) search_.count_saved_test();
@@ -86,16 +86,17 @@ class CellTests {
 /// cell, from where the ray has gone as far as `entry`. What a cell lists may be hit in another: the walk
 /// goes on until the next cell lies behind the hit.
 template <typename Search, typename BeginWalk>
-HWY_INLINE bool search_cells(const Scene& scene, const Collection& collection, const Box& box,
-                             const PrimitiveRay& ray, uint32_t instance, Search& search,
-                             BeginWalk begin_walk) {
+HWY_INLINE bool search_cells(const Collection& collection, const Box& box, const PrimitiveRay& ray,
+                             uint32_t instance, Search& search, BeginWalk begin_walk) {
   if (is_too_far_for_cells(box, ray.origin_vector())) return search_list(collection, ray, instance, search);
   const Passage passage = passage_through(with_margin(box), ray);
   if (passage.is_empty() || passage.begin > search.t_far()) return false;
   CellTests tests(collection, ray, instance, search);
   auto walk = begin_walk(passage.begin);
   do {
-    if (tests.test(walk.list())) return true;
+    const CellList list = walk.list();
+    if constexpr (Search::kCounts) search.count_cell(list.empty());
+    if (tests.test(list)) return true;
   } while (walk.exit() <= search.t_far() && walk.advance());
   return false;
 }

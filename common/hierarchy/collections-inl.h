@@ -10,6 +10,7 @@
 
 #include "common/hierarchy/grid-inl.h"
 #include "common/hierarchy/object_walk-inl.h"
+#include "common/hierarchy/octant_walk-inl.h"
 #include "common/hierarchy/octree-inl.h"
 #include "common/hierarchy/walk-inl.h"
 
@@ -36,6 +37,8 @@ HWY_NOINLINE bool search_collection(const Scene& scene, const Collection& collec
       return search_objects(scene, collection, ray, instance, search);
     case Structure::adaptive:
       return search_octree(scene, collection, ray, instance, search);
+    case Structure::octants:
+      return search_octants(scene, collection, ray, instance, search);
   }
   return false;
 }

@@ -73,7 +73,7 @@ template <typename Search>
 HWY_NOINLINE bool search_grid(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
                               uint32_t instance, Search& search) {
   const Grid& grid = scene.grids[collection.grid];
-  return search_cells(scene, collection, grid.box(), ray, instance, search,
+  return search_cells(collection, grid.box(), ray, instance, search,
                       [&](double entry) HWY_ATTR { return CellWalk(scene, grid, ray, entry); });
 }
 

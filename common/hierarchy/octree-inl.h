@@ -264,7 +264,7 @@ HWY_NOINLINE bool search_octree(const Scene& scene, const Collection& collection
                                 uint32_t instance, Search& search) {
   const Octree& octree = scene.octrees[collection.octree];
   const auto search_tree = [&](const auto& tree) HWY_ATTR {
-    return search_cells(scene, collection, octree.box(), ray, instance, search,
+    return search_cells(collection, octree.box(), ray, instance, search,
                         [&](double entry) HWY_ATTR { return OctreeWalk(octree, tree, ray, entry, search); });
   };
   GrownOctree* const grown = scene.tracing ? scene.tracing->octrees[collection.octree].get() : nullptr;

@@ -1,5 +1,7 @@
 #include "common/hierarchy/storage.h"
 
+#include <algorithm>
+
 #include "common/scene/tracing_state.h"
 
 namespace rayfarm {
@@ -15,6 +17,14 @@ OctreeStorage& OctreeStorage::operator+=(const OctreeStorage& other) {
   nodes += other.nodes;
   pointers += other.pointers;
   hash_places += other.hash_places;
+  return *this;
+}
+
+OctantStorage& OctantStorage::operator+=(const OctantStorage& other) {
+  interior += other.interior;
+  leaves += other.leaves;
+  pointers += other.pointers;
+  longest_list = std::max(longest_list, other.longest_list);
   return *this;
 }
 
@@ -41,6 +51,16 @@ OctreeStorage storage_of(const Scene& scene, uint32_t index) {
   return storage;
 }
 
+OctantStorage storage_of(const Scene& scene, const OctantTree& tree) {
+  OctantStorage storage;
+  for (const OctantVolume& volume : scene.octant_volumes.subspan(tree.first_volume, tree.volume_count)) {
+    ++(volume.is_leaf() ? storage.leaves : storage.interior);
+    storage.pointers += volume.pointer_count;
+    storage.longest_list = std::max<uint64_t>(storage.longest_list, volume.pointer_count);
+  }
+  return storage;
+}
+
 GridStorage storage_of_grids(const Scene& scene) {
   GridStorage storage;
   for (const Grid& grid : scene.grids) storage += storage_of(scene, grid);
@@ -50,6 +70,12 @@ GridStorage storage_of_grids(const Scene& scene) {
 OctreeStorage storage_of_octrees(const Scene& scene) {
   OctreeStorage storage;
   for (uint32_t i = 0; i < scene.octrees.size(); ++i) storage += storage_of(scene, i);
+  return storage;
+}
+
+OctantStorage storage_of_octants(const Scene& scene) {
+  OctantStorage storage;
+  for (const OctantTree& tree : scene.octant_trees) storage += storage_of(scene, tree);
   return storage;
 }
 

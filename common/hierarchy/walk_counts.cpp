@@ -31,6 +31,10 @@ class Counting : public Search {
   void count_tree_node() { ++counts_->tree_nodes; }
   void count_chain_step() { ++counts_->chain_steps; }
   void count_saved_test() { ++counts_->saved_tests; }
+  void count(const OctantVolume& volume, bool is_missed) {
+    ++(volume.is_leaf() ? counts_->leaf_volumes : counts_->interior_volumes);
+    counts_->missed_volumes += is_missed;
+  }
   void count(const BoundingVolume& volume) { ++counts_->bounds[static_cast<size_t>(volume.kind)]; }
   void count(const BoundingNode& node) {
     if (node.is_group()) ++counts_->groups;

@@ -19,13 +19,17 @@ struct WalkCounts {
   uint64_t saved_tests = 0;  ///< of primitives, that a mailbox made needless
   uint64_t leaves = 0;       ///< of volumes and lists
   std::array<uint64_t, kVolumeKinds> bounds{};  ///< bounding volumes tested, in the order of VolumeKind
-  uint64_t groups = 0;                          ///< of objects: what is in them was tested
-  uint64_t objects = 0;                         ///< whose primitives were tested
+  // Of octant trees: volumes whose spheres were tested (N_V of the thesis's Table 4.7), and those among them
+  // that the ray misses, or reaches behind what it has hit.
+  uint64_t interior_volumes = 0, leaf_volumes = 0, missed_volumes = 0;
+  uint64_t groups = 0;   ///< of objects: what is in them was tested
+  uint64_t objects = 0;  ///< whose primitives were tested
   // Primitives that were tested, or stand in leaves that were visited; a polygon is one, whatever it was cut
   // into.
   uint64_t triangles = 0, spheres = 0, polygons = 0, quadrics = 0;
 
   uint64_t bounding_volumes() const { return bounds[0] + bounds[1] + bounds[2] + bounds[3]; }
+  uint64_t volumes() const { return interior_volumes + leaf_volumes; }
   uint64_t primitives() const { return triangles + spheres + polygons + quadrics; }
 };
 

@@ -11,6 +11,11 @@ namespace {
 std::vector<std::pair<std::string, BuildOptions>> other_hierarchies() {
   return {{"sah, whole primitives", {.max_primitives = 3, .quality = BuildQuality::fast}},
           {"thesis", {.hierarchy = Hierarchy::thesis, .max_primitives = 15}},
+          {"thesis to the letter",
+           {.hierarchy = Hierarchy::thesis,
+            .max_primitives = 25,
+            .thesis_volumes = ThesisVolumes::spheres,
+            .thesis_clip = ThesisClip::always}},
           {"regular", {.hierarchy = Hierarchy::regular}},
           {"regular with a mailbox", {.hierarchy = Hierarchy::regular, .cells = 13, .has_mailbox = true}},
           {"adaptive", {.hierarchy = Hierarchy::adaptive, .max_primitives = 10, .octree_depth = 10}},
@@ -66,8 +71,9 @@ TEST_P(EveryScene, LooksTheSameInEveryHierarchy) {
   // two hierarchies are enough.
   const bool has_many_copies = compile(description).scene.instances.size() > 100'000;
   for (const auto& [name, build] : other_hierarchies())
-    if (!has_many_copies || name == "object" || name == "regular")
+    if (!has_many_copies || name == "object" || name == "regular") {
       EXPECT_EQ(pixels_of(description, build, width_px, height_px), expected) << name;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(, EveryScene, testing::ValuesIn(scene_files()), [](const auto& scene) {
