@@ -3,7 +3,7 @@
 // For one target: what is counted does not depend on it.
 #include <hwy/highway.h>
 
-#include "common/hierarchy/collections-inl.h"
+#include "common/hierarchy/items-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -111,6 +111,18 @@ Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, Wa
   hit.t = ray.t_max;
   Counting<ClosestHit> search(counts, scene, hit);
   search_for_one(scene, pose, PreparedRay(ray), search);
+  search.finish();
+  return hit;
+}
+
+Hit closest_hit_among_counted(const Scene& scene, const Pose& pose, std::span<const Item> items,
+                              const Ray& ray, WalkCounts& counts) {
+  using namespace HWY_NAMESPACE;
+  Hit hit;
+  hit.t = ray.t_max;
+  Counting<ClosestHit> search(counts, scene, hit);
+  const PreparedRay world(ray);
+  for (const Item& item : items) search_item(scene, pose, item, world, search);
   search.finish();
   return hit;
 }

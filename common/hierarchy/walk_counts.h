@@ -6,6 +6,7 @@
 
 #include "common/hierarchy/frame_state.h"
 #include "common/hierarchy/hit.h"
+#include "common/hierarchy/items.h"
 
 namespace rayfarm {
 
@@ -35,6 +36,9 @@ struct WalkCounts {
 
 /// As closest_hit. `counts` grows.
 Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts);
+/// As closest_hit_among. `counts` grows.
+Hit closest_hit_among_counted(const Scene& scene, const Pose& pose, std::span<const Item> items,
+                              const Ray& ray, WalkCounts& counts);
 /// As any_hit. `counts` grows.
 bool any_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts);
 

@@ -136,7 +136,7 @@ Bytes zeros(size_t n) {
 }
 
 std::vector<std::string> message_seeds() {
-  SubpolygonReport report{FrameNumber(3), SubpolygonId(7), {1, 2, 3, 4, 5}, 1000, true, 2};
+  SubpolygonReport report{FrameNumber(3), SubpolygonId(7), {1, 2, 3, 4, 5}, 1000, true, 2, {6, 7, 8, 9, 10}};
   std::vector<std::string> seeds;
   for (const Control& c : {Control(Hello{"machine", 7, "build"}), Control(Alive{}),
                            Control(SelectStep{StepIndex(3)}), Control(OpenSteps{StepIndex(4)}),
@@ -221,6 +221,7 @@ void read_images(const Folder& folder, const std::string& bytes) {
 
 std::vector<std::string> settings_seeds() {
   RenderSettings spectral;
+  spectral.item_buffer = ItemBuffer::checked;
   spectral.colour = ColourModel::spectral;
   spectral.colour_nodes_nm = {400, 500, 600, 700};
   return {text_of(encode_settings(RenderSettings())), text_of(encode_settings(spectral))};
