@@ -178,16 +178,19 @@ TEST(OctantTree, RaysVisitWhatTable4_2NamesUntilTheyHit) {
 // Lists hold whole primitives: "no primitive has been found" (Figure 4.4) must not count a hit beyond the
 // octant.
 TEST(OctantTree, AHitBeyondTheOctantDoesNotEndTheSearch) {
-  // The wall reaches from the ray's first octant to the last, where it is hit; the ball stands before it, in
-  // the octant between.
-  const std::string wall = "  - {polygon: {points: [[-9, 6, 1], [9, 6, 1], [9, -6, -9], [-9, -6, -9]]}}\n";
+  // About (0, 0, 0): the wall is listed beside the second ball in the ray's first octant, whose sphere the
+  // ray meets, and hit in the next, where the first ball stands before it.
+  const std::string wall = "  - {polygon: {points: [[-9, 9, 3], [9, 9, 3], [9, -9, -9], [-9, -9, -9]]}}\n";
   const CompiledScene compiled =
-      compile_nodes(wall + ball(0, 0, -1.5, 0.3) + ball(5, 5, 4, 0.2) + ball(-5, -5, 4, 0.2), 1);
+      compile_nodes(wall + ball(3, 3, -0.5, 0.3) + ball(8, 8, 8, 1), 2,
+                    {ThesisVolumes::spheres, ThesisClip::always, ThesisCenter::volume});
   FrameState state(compiled.scene);
-  const Hit hit = closest_hit(compiled.scene, state.at(0), {Vec3(0, 0, 6), Vec3(0, 0, -1)});
+  WalkCounts counts;
+  const Hit hit = closest_hit_counted(compiled.scene, state.at(0), {Vec3(3, 3, 10), Vec3(0, 0, -1)}, counts);
   EXPECT_EQ(hit.primitive, make_primitive_id(PrimitiveKind::sphere, 0));
-  EXPECT_NEAR(hit.t, 7.2, 1e-9);
-  expect_brute_force(compiled, 1000, 8);
+  EXPECT_NEAR(hit.t, 10.2, 1e-9);
+  EXPECT_EQ(counts.polygons, 2u) << "the wall, in both";
+  expect_brute_force(compiled, 1000, 10);
 }
 
 TEST(OctantTree, EverySwitchGivesTheHitsOfBruteForce) {
