@@ -215,16 +215,6 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
   collection.triangle_block_count = count_behind(arrays.triangle_blocks, collection.first_triangle_block);
   collection.sphere_block_count = count_behind(arrays.sphere_blocks, collection.first_sphere_block);
   collection.leaf_primitive_count = count_behind(arrays.leaf_primitives, collection.first_leaf_primitive);
-  if (has_volumes || options.hierarchy == Hierarchy::brute) return collection;
-  const WholePrimitives whole(source, primitives, collection);
-  collection.has_mailbox = options.has_mailbox ? 1 : 0;
-  if (options.hierarchy == Hierarchy::regular) {
-    collection.structure = Structure::regular;
-    collection.grid = build_grid(whole, whole.pointers(), options, arrays);
-  } else {
-    collection.structure = Structure::adaptive;
-    collection.octree = build_octree(whole, whole.pointers(), options, arrays);
-  }
   if (options.hierarchy == Hierarchy::object) {
     if (placed) {
       *placed = std::move(objects);
@@ -233,6 +223,16 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
       collection.tree =
           build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
     }
+  }
+  if (options.hierarchy != Hierarchy::regular && options.hierarchy != Hierarchy::adaptive) return collection;
+  const WholePrimitives whole(source, primitives, collection);
+  collection.has_mailbox = options.has_mailbox ? 1 : 0;
+  if (options.hierarchy == Hierarchy::regular) {
+    collection.structure = Structure::regular;
+    collection.grid = build_grid(whole, whole.pointers(), options, arrays);
+  } else {
+    collection.structure = Structure::adaptive;
+    collection.octree = build_octree(whole, whole.pointers(), options, arrays);
   }
   return collection;
 }
