@@ -67,7 +67,7 @@ class CellTests {
   }
   /// The primitives that a cell lists. True: the search is over.
   HWY_INLINE bool test(const CellList& list) {
-    if constexpr (Search::kCounts) search_.count_cell(list.count == 0);
+    if constexpr (Search::kCounts) search_.count_cell(list.count);
     for (const PrimitivePointer& pointer : scene_.primitive_pointers.subspan(list.first, list.count)) {
       if (mailbox_ && !mailbox_->take(pointer, search_number_)) {
         if constexpr (Search::kCounts) search_.count_saved_test();

@@ -51,6 +51,7 @@ class ObjectWalk {
  private:
   void test(uint32_t index) {
     const BoundingNode& node = scene_.bounding_nodes[index];
+    if constexpr (Search::kCounts) search_.count_element();
     double entry = 0;
     if (!is_far_)
       for (const BoundingVolume& volume :
