@@ -107,7 +107,7 @@ class Experiments(JobTest):
         for name in ("hierarchies.json", "cuts.dat", "growth.dat", "hierarchies.gp", "tests_beach_house.png", "tests_primitives.png", "tests_plant.png"):
             self.assertTrue((page / name).exists(), name)
         self.assertEqual(len((page / "cuts.dat").read_text().splitlines()), 1 + 3 * 3 * 7)
-        self.assertEqual(len((page / "growth.dat").read_text().splitlines()), 1 + 2 * 7)
+        self.assertEqual(len((page / "growth.dat").read_text().splitlines()), 1 + 7)
 
     def test_hierarchies_draws_tests_of_any_scene(self):
         folder = self.folder / "pictures"

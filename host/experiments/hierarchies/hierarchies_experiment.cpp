@@ -130,7 +130,7 @@ int draw_pictures(const ExperimentOptions& options) {
 int run_hierarchies_experiment(const ExperimentOptions& options) {
   if (options.is_picture_of_tests) return draw_pictures(options);
   constexpr int kPicture_px = 128, kFewPixels_px = 32;
-  constexpr uint32_t kManyPrimitives = 1'000'000, kFewPrimitives = 12'000;
+  constexpr uint32_t kManyPrimitives = 1'000'000, kFewPrimitives = 1'000;
   const std::filesystem::path folder = make_page_folder(options.output),
                               scenes = std::filesystem::path(options.scenes) / "hierarchies";
   HierarchyStudy study;

@@ -100,17 +100,17 @@ size_t count_pointers(const Scene& s, const ChildRef& leaf) {
   return ids.size() + (leaf.kind() == ChildKind::mixed ? leaf.count() : 0);
 }
 
-size_t count_quadric_cells(const Scene& s) {
-  size_t count = 0;
+void count_grid_cells(const Scene& s, HierarchyRun& run) {
   for (const Grid& grid : s.grids)
     for (size_t i = grid.first_cell; i < grid.first_cell + grid.cell_count(); ++i) {
       const auto list = s.primitive_pointers.subspan(s.grid_cells[i], s.grid_cells[i + 1] - s.grid_cells[i]);
-      count += !list.empty() && std::all_of(list.begin(), list.end(), [&](const PrimitivePointer& pointer) {
+      if (list.empty()) continue;
+      ++run.cells_by_fill[static_cast<size_t>(std::bit_width(list.size()) - 1)];
+      run.quadric_cells += std::all_of(list.begin(), list.end(), [&](const PrimitivePointer& pointer) {
         return pointer.kind() == PointerKind::other &&
                s.leaf_primitives[pointer.place()].kind() == PrimitiveKind::quadric;
       });
     }
-  return count;
 }
 
 /// What there is to store, and the thesis's bytes for it.
@@ -121,7 +121,7 @@ void count_storage(const Scene& s, const SceneFacts& facts, HierarchyRun& run) {
   run.empty = grids.empty_cells;
   run.pointers = grids.pointers + octrees.pointers;
   run.thesis_bytes = static_cast<double>(grids.bytes() + octrees.bytes());
-  run.quadric_cells = count_quadric_cells(s);
+  count_grid_cells(s, run);
   run.full_lists = grids.full_cells + static_cast<size_t>(std::count_if(
                                           s.octree_cells.begin(), s.octree_cells.end(),
                                           [](const OctreeCell& cell) { return cell.pointer_count > 0; }));

@@ -54,13 +54,14 @@ struct HierarchyRun {
   double bytes =
       0;  ///< of what finds primitives: nodes, cells, lists, and leaves where they repeat primitives
   size_t primitives = 0;
-  size_t pointers = 0;              ///< to primitives, from leaves or cells; of objects: to objects
-  size_t interior = 0, leaves = 0;  ///< volumes
-  size_t cells = 0, empty = 0;      ///< of grids; nodes of octrees; and cells without a primitive
-  size_t full_lists = 0;            ///< cells or leaves that list primitives
-  size_t quadric_cells = 0;         ///< cells that list quadrics alone
-  size_t objects = 0;               ///< and groups, of a hierarchy of objects
-  double thesis_bytes = 0;          ///< by the thesis's formulas (4.3.2)
+  size_t pointers = 0;                     ///< to primitives, from leaves or cells; of objects: to objects
+  size_t interior = 0, leaves = 0;         ///< volumes
+  size_t cells = 0, empty = 0;             ///< of grids; nodes of octrees; and cells without a primitive
+  size_t full_lists = 0;                   ///< cells or leaves that list primitives
+  size_t quadric_cells = 0;                ///< cells that list quadrics alone
+  std::array<size_t, 32> cells_by_fill{};  ///< cells of grids that list 2^i to 2^(i + 1) - 1 primitives
+  size_t objects = 0;                      ///< and groups, of a hierarchy of objects
+  double thesis_bytes = 0;                 ///< by the thesis's formulas (4.3.2)
   KindCosts eye, secondary, shadow;
   double ns_per_ray = 0;  ///< the least of the passes, chunk by chunk of the rays, one by one
 

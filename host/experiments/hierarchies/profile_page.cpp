@@ -35,12 +35,23 @@ std::string percent(double share) {
   return fmt::format("{:.0f} %", 100 * share);
 }
 
+/// Two columns; empty for what is not one of its routines.
+std::string thesis_cells(std::string_view routine) {
+  for (const RoutineRow& row : routine_rows())
+    if (routine == fmt::format("*{}*", row.name))
+      return fmt::format(" {:.0f}, {:.0f}, {:.0f} | {}, {}, {} |", row.calls[0], row.calls[1], row.calls[2],
+                         row.seconds[0], row.seconds[1], row.seconds[2]);
+  return " | |";
+}
+
 std::string calls_table(const HierarchyStudy& study) {
-  std::string text = "| routine | here | Image 1 | Image 2 | Image 3 |\n|---|---|---:|---:|---:|\n";
+  std::string text =
+      "| routine | here | Image 1 | Image 2 | Image 3 | the thesis: calls | seconds "
+      "|\n|---|---|---:|---:|---:|---:|---:|\n";
   const auto row = [&](const char* routine, const char* here, auto value) {
     text += fmt::format("| {} | {} |", routine, here);
     for (size_t i = 0; i < study.images.size(); ++i) text += fmt::format(" {} |", value(i));
-    text += "\n";
+    text += thesis_cells(routine) + "\n";
   };
   const auto of = [&](size_t i) -> const RenderProfile& { return study.images[i].profile; };
   const auto ms = [](double s) { return fmt::format("{:.2f} ms", 1e3 * s); };
@@ -57,7 +68,8 @@ std::string calls_table(const HierarchyStudy& study) {
   row("*ptrace* to *sqr*", "together, in packets of eight", [&](size_t i) { return ms(of(i).search_s); });
   row("*render*", "eye rays", [&](size_t i) { return of(i).eye_rays; });
   row("*wpixel*", "pixels", [&](size_t i) { return of(i).pixels; });
-  row("*teval*, *shade*", "eye and secondary rays; shadow rays", [&](size_t i) {
+  row("*teval*", "eye and secondary rays", [&](size_t i) { return of(i).eye_rays + of(i).secondary_rays; });
+  row("*shade*", "the same; shadow rays", [&](size_t i) {
     return fmt::format("{}; {}", of(i).eye_rays + of(i).secondary_rays, of(i).shadow_rays);
   });
   row("*render* to *shade*", "together: the frame without searching",

@@ -53,13 +53,18 @@ std::string crowd_text(const HierarchyRun& regular) {
   for (size_t i = 0; i < counts.tests_by_fill.size(); ++i)
     if (counts.tests_by_fill[i] > counts.tests_by_fill[most]) most = i;
   uint64_t tests = 0, visits = 0;
+  size_t cells = 0;
   for (size_t i = most; i < counts.tests_by_fill.size(); ++i) {
     tests += counts.tests_by_fill[i];
     visits += counts.visits_by_fill[i];
+    cells += regular.cells_by_fill[i];
   }
   return fmt::format(
-      "in regular cells {:.0f} % of N_P are primitives of cells that list {} or more, {:.1f} % of the visits",
-      100 * share(tests, std::max<uint64_t>(1, counts.primitives())), size_t{1} << most,
+      "in regular cells {:.0f} % of N_P are primitives of {} cell{} that list{} {} or more, {:.2f} % of all "
+      "cells and "
+      "{:.1f} % of the visits",
+      100 * share(tests, std::max<uint64_t>(1, counts.primitives())), cells, cells == 1 ? "" : "s",
+      cells == 1 ? "s" : "", size_t{1} << most, 100 * share(cells, regular.cells),
       100 * share(visits, std::max<uint64_t>(1, counts.cells)));
 }
 
