@@ -34,7 +34,7 @@ do for [i=1:3] {
 }
 unset multiplot
 
-set terminal svg size 960,400 font "sans,12" background "white"
+set terminal svg size 1060,400 font "sans,12" background "white"
 set logscale x 10
 set xrange [500:2e6]
 set format x "10^{%L}"
@@ -42,7 +42,9 @@ set output "growth.svg"
 set multiplot layout 1,2
 set xlabel "triangles of the ground"
 set title "Primitives a ray tests"
+unset key
 plot for [h in "brute object regular adaptive adaptive-pointers thesis sah"] sprintf("< grep '^%s ' growth.dat", h) using 2:3 title h pointtype 7 pointsize 0.5
 set title "Nanoseconds a ray"
+set key outside right top
 plot for [h in "brute object regular adaptive adaptive-pointers thesis sah"] sprintf("< grep '^%s ' growth.dat", h) using 2:4 title h pointtype 7 pointsize 0.5
 unset multiplot

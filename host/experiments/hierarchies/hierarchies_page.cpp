@@ -203,7 +203,8 @@ std::string hierarchies_page(const HierarchyStudy& study) {
       "N_P · "
       "T_P. The unit times that foretell the rows above best, by least squares of relative errors:\n\n" +
       equation_table(study.rows) +
-      "Where primitives are tested eight at a time, T_P is an eighth of a block's, if blocks are full.\n\n" +
+      "Where primitives are tested eight at a time, T_P is an eighth of a block's, if blocks are full. Rows "
+      "of `object` differ in the kinds of volumes too, which one T_B + T_L does not tell apart.\n\n" +
       construction_text(study) + profile_text(study) + today_text(study) +
       "`hierarchies.csv` has all numbers.\n";
   return text;

@@ -35,10 +35,10 @@ std::string scenes_table(const HierarchyStudy& study) {
       "|\n|---|---|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const HierarchyRow& row : study.rows)
     if (row.image == 0)
-      text += fmt::format("| {} | `{}` {} | {} | {:.3g} s | {:.3g} | {:.1f} | {:.1f} | {} | {:.0f} |\n",
-                          row.scene, row.hierarchy, row.setting, row.run.primitives, row.run.build_cpu_s,
-                          row.run.bytes, row.run.volumes_per_ray(), row.run.primitives_per_ray(),
-                          row.run.all().rays, row.run.ns_per_ray);
+      text += fmt::format("| {} | `{}`{} | {} | {:.3g} s | {:.3g} | {:.1f} | {:.1f} | {} | {:.0f} |\n",
+                          row.scene, row.hierarchy, row.setting.empty() ? "" : " " + row.setting,
+                          row.run.primitives, row.run.build_cpu_s, row.run.bytes, row.run.volumes_per_ray(),
+                          row.run.primitives_per_ray(), row.run.all().rays, row.run.ns_per_ray);
   return text + "\n";
 }
 
@@ -116,37 +116,43 @@ std::string reasons(const HierarchyStudy& study) {
     return std::pair{least, most};
   };
   const auto ns = [](const GrowthPoint& p) { return p.ns_per_ray; };
+  const auto tests = [](const GrowthPoint& p) { return p.tests_per_ray; };
   const auto build = [](const GrowthPoint& p) { return p.build_cpu_s; };
   const auto [list_least, list_most] = growth("object", ns);
   const auto [grid_least, grid_most] = growth("regular", ns);
+  const auto [tree_least, tree_most] = growth("adaptive", tests);
   const auto [sah_least, sah_most] = growth("sah", ns);
   text += fmt::format(
-      "- `object`, where a scene is of many small objects and moves: nothing is built but a volume for each "
-      "group. A "
-      "ray tests all of an object whose volume it meets: {:.0f} to {:.0f} ns over the ground's sizes.\n",
+      "- `object`, where a scene is of many small objects: nothing is built but a volume for each object and "
+      "group, and "
+      "what moves is only placed anew. But a ray tests all of an object whose volume it meets: {:.0f} ns on "
+      "the smallest "
+      "ground and {:.0f} on the largest.\n",
       list_least, list_most);
   text += fmt::format(
-      "- `regular`, where primitives are of one size and lie evenly, and building must be quick: {:.3g} s "
-      "for the "
-      "largest ground, where `sah` takes {:.3g}; a ray takes {:.0f} to {:.0f} ns. One crowded cell spoils it "
+      "- `regular`, among cells, where primitives are of one size and lie evenly: {:.0f} and {:.0f} ns on "
+      "the same grounds, "
+      "and {:.3g} s for building the largest, where `adaptive` takes {:.3g} and `sah` {:.3g}. One crowded "
+      "cell spoils it "
       "(Image 1).\n",
-      growth("regular", build).second, growth("sah", build).second, grid_least, grid_most);
+      grid_least, grid_most, growth("regular", build).second, growth("adaptive", build).second,
+      growth("sah", build).second);
   text += fmt::format(
-      "- `adaptive`, where a scene is crowded in places and there is no time for better: {:.3g} s for the "
-      "largest ground. "
-      "Each step looks for its cell from the root, and then in a hash table of 1000 places, whose chains "
-      "grow with the "
-      "scene: on the largest ground a ray takes {:.0f} ns, and {:.0f} where nodes have pointers "
+      "- `adaptive`, among cells, where a scene is crowded in places: {:.1f} and {:.1f} tests a ray on the "
+      "smallest and the "
+      "largest ground. Each step looks for its cell from the root, and then in a hash table of 1000 places, "
+      "whose chains "
+      "grow with the scene: on the largest a ray takes {:.0f} ns, and {:.0f} where nodes have pointers "
       "(`--octree-data "
       "pointers`).\n",
-      growth("adaptive", build).second, growth("adaptive", ns).second,
-      growth("adaptive-pointers", ns).second);
+      tree_least, tree_most, growth("adaptive", ns).second, growth("adaptive-pointers", ns).second);
   text += fmt::format(
-      "- `thesis`, object/volume, keeps what it built while objects move and tests least of the four where "
-      "cells are "
-      "coarse; `sah` keeps it too: {:.0f} to {:.0f} ns a ray from the smallest to the largest ground. It is "
-      "the default.\n",
-      sah_least, sah_most);
+      "- `thesis`, object/volume, where its rule is asked for; else `sah`, which divides by expected cost "
+      "and keeps as well "
+      "what it built while objects move: {:.0f} and {:.0f} ns a ray, where `thesis` takes {:.0f} and {:.0f}. "
+      "It is the "
+      "default.\n",
+      sah_least, sah_most, growth("thesis", ns).first, growth("thesis", ns).second);
   return text + "\n";
 }
 
