@@ -58,6 +58,36 @@ TEST(HeatMaps, ShowTheTestsOfEachPixel) {
             width_of_letters("tests per pixel") + width_of_letters("100000"));  // the legend has room
 }
 
+// Thesis, Table 4.9: ptrace intersects "all the polygons in a leaf node", qtrace "all the quadric surfaces".
+TEST(RayCounts, LeavesOfPolygonsAndOfCurvedPrimitivesAreToldApart) {
+  const CompiledScene compiled =
+      compile(test::load_yaml(
+                  "view: {location: [0, 0, 10], look_at: [0, 0, 0], field_of_view: 40, aspect: 1}\n"
+                  "scene:\n"
+                  "  - {sphere: {center: [-3, 0, 0], radius: 1}}\n"
+                  "  - {quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, 0, 0, -1], planes: [[0, 1, 0, 0.5]]}}\n"
+                  "  - {polygon: {points: [[2, -1, 0], [4, -1, 0], [4, 1, 0], [2, 1, 0]]}}\n"),
+              {.max_primitives = 1});
+  FrameState state(compiled.scene);
+  const Pose pose = state.at(0);
+  const auto counts_at = [&](double x) {
+    WalkCounts counts;
+    EXPECT_TRUE(
+        closest_hit_counted(compiled.scene, pose, {Vec3(x, 0.1, 10), Vec3(0, 0, -1)}, counts).is_hit());
+    return counts;
+  };
+  for (const double x : {-3.0, 0.0}) {
+    EXPECT_EQ(counts_at(x).curved_leaves, counts_at(x).leaves);
+    EXPECT_GE(counts_at(x).spheres + counts_at(x).quadrics, 1u);
+  }
+  EXPECT_EQ(counts_at(3).curved_leaves, 0u);
+  EXPECT_GE(counts_at(3).leaves, 1u);
+  WalkCounts sum = counts_at(-3);
+  sum += counts_at(3);
+  EXPECT_EQ(sum.leaves, counts_at(-3).leaves + counts_at(3).leaves);
+  EXPECT_EQ(sum.primitives(), counts_at(-3).primitives() + counts_at(3).primitives());
+}
+
 TEST(HeatMaps, LettersStayInThePicture) {
   Image image;
   image.width_px = 9;
