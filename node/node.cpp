@@ -16,7 +16,8 @@
 namespace rayfarm {
 namespace {
 
-static_assert(kRayCounters == kRayKinds, "the wire carries a counter for each kind of ray");
+static_assert(kRayCounters == kRayKinds && kRayTallyCounters == kRayTallies,
+              "the wire carries a counter for each kind of ray, and for all else that is counted");
 
 /// The host said that the job is over.
 struct Finished {
@@ -146,7 +147,8 @@ class Node {
       if (plan_->ray_time_s > 0) pretend_until(begin + emulated_s(result.rays));
       const SubpolygonReport report{phase_->number_of(item), *subpolygon,
                                     result.rays.by_kind,     static_cast<uint64_t>((now_s() - begin) * 1e6),
-                                    result.sees_anything,    result.not_finite};
+                                    result.sees_anything,    result.not_finite,
+                                    result.rays.tallies};
       send_subpolygon(transport_, self_, *plan_, assigned.polygon, report, result.bytes);
     } catch (const std::exception& e) {
       transport_.send(kHost, ItemFailed{item, e.what()});

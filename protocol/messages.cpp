@@ -11,6 +11,7 @@ void write_report(ByteWriter& w, const SubpolygonReport& r) {
   for (const uint64_t rays : r.rays) w.varint(rays);
   w.varint(r.busy_us);
   w.varint(r.not_finite << 1 | (r.sees_anything ? 1u : 0u));
+  for (const uint64_t tally : r.ray_tallies) w.varint(tally);
 }
 
 template <typename Value>
@@ -29,6 +30,7 @@ SubpolygonReport read_report(ByteReader& r) {
   const uint64_t last = r.varint();
   report.sees_anything = last & 1;
   report.not_finite = last >> 1;
+  for (uint64_t& tally : report.ray_tallies) tally = r.varint();
   return report;
 }
 

@@ -67,6 +67,8 @@ DisplayPolygon decode_display_polygon(std::span<const std::byte> message);
 
 /// Rays are counted in so many kinds, whose meaning host and nodes know.
 inline constexpr size_t kRayCounters = 5;
+/// What else is counted of them.
+inline constexpr size_t kRayTallyCounters = 5;
 
 /// What it took to trace a subpolygon. It travels in a block's header; beside the pixel wire it is a control
 /// message.
@@ -77,6 +79,7 @@ struct SubpolygonReport {
   uint64_t busy_us = 0;
   bool sees_anything = false;  ///< an eye ray met something
   uint64_t not_finite = 0;     ///< pixels that are infinite or not a number
+  std::array<uint64_t, kRayTallyCounters> ray_tallies{};
 };
 
 /// The thesis's form: 2 bytes of word, 2 × 2 of position, 3 of value; several may follow each other in one

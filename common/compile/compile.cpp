@@ -191,7 +191,8 @@ void add_notes_of_idle(const SceneDescription& description, Notes& notes) {
 bool is_usual_octree(const BuildOptions& options) {
   const BuildOptions usual;
   return options.octree_data == usual.octree_data && options.octree_next == usual.octree_next &&
-         options.octree_depth == usual.octree_depth && options.octree_hash == usual.octree_hash;
+         options.octree_build == usual.octree_build && options.octree_depth == usual.octree_depth &&
+         options.octree_hash == usual.octree_hash;
 }
 
 /// What options can't change.
@@ -200,7 +201,7 @@ void add_notes_of_built(const SceneDescription& description, const BuildOptions&
   if (description.libraries.empty() ||
       (options.hierarchy == usual.hierarchy && options.max_primitives == usual.max_primitives &&
        options.quality == usual.quality && options.cells == usual.cells && is_usual_octree(options) &&
-       !options.has_mailbox && options.objects == usual.objects))
+       !options.has_mailbox && options.thesis == usual.thesis && options.objects == usual.objects))
     return;
   notes.add({description.libraries[0].path},
             "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
@@ -263,9 +264,17 @@ void add_notes_of_idle_options(const SceneDescription& description, const BuildO
       options.octree_hash != usual.octree_hash)
     notes.add(description.source(),
               "the places of a hash table change nothing here, as pointers lead to the data");
-  if (h != Hierarchy::regular && h != Hierarchy::adaptive && options.has_mailbox)
-    notes.add(description.source(),
-              "a mailbox belongs to cells (`regular`, `adaptive`), and changes nothing here");
+  if (h != Hierarchy::thesis && !(options.thesis == usual.thesis))
+    notes.add(
+        description.source(),
+        "how volumes are bounded, clipped and centred belongs to a `thesis` hierarchy, and changes nothing "
+        "here");
+  const bool has_octants = h == Hierarchy::thesis && options.thesis.volumes == ThesisVolumes::spheres;
+  if (h != Hierarchy::regular && h != Hierarchy::adaptive && !has_octants && options.has_mailbox)
+    notes.add(
+        description.source(),
+        "a mailbox belongs to cells (`regular`, `adaptive`) and to the spheres of `thesis`, and changes "
+        "nothing here");
   // Of what is arranged otherwise, part files and structures, nobody knows here how often it is referred to.
   if (h == Hierarchy::sah && options.quality == BuildQuality::high && description.libraries.empty() &&
       description.structures.empty() && built > 0 && count_references(scene) == built)

@@ -2,15 +2,13 @@
 
 #include "common/compile/object_groups.h"
 #include "common/hierarchy/grid.h"
+#include "common/hierarchy/octant_tree.h"
 #include "common/hierarchy/octree.h"
+#include "common/hierarchy/primitive_bounds.h"
 #include "common/scene/array_offsets.h"
 
 namespace rayfarm {
 namespace {
-
-Box sphere_box(const SphereRecord& s) {
-  return {s.center - Vec3(s.radius), s.center + Vec3(s.radius)};
-}
 
 /// Follows the outline, whose bounds in a slab are those of what lies in it.
 template <typename Point>
@@ -52,7 +50,7 @@ void chop_polygon(std::span<const Point> points, const Slabs& slabs, size_t firs
 class PartSource : public PrimitiveSource {
  public:
   PartSource(const SceneArrays<GrowingArray>& arrays, const PartPrimitives& part)
-      : arrays_(arrays), part_(part) {}
+      : shapes_(view_of(arrays)), part_(part) {}
   size_t size() const override { return part_.ids.size(); }
 
   Box bounds(uint32_t primitive) const override {
@@ -61,47 +59,12 @@ class PartSource : public PrimitiveSource {
       for (const Vec3& v : triangle(primitive)) box.grow(v);
       return box;
     }
-    const PrimitiveId id = part_.ids[primitive];
-    switch (id.kind()) {
-      case PrimitiveKind::triangle:
-      case PrimitiveKind::face:
-        break;
-      case PrimitiveKind::sphere:
-        return sphere_box(arrays_.spheres[id.index()]);
-      case PrimitiveKind::polygon: {
-        Box box;
-        for (const Vec3& p : points(id)) box.grow(p);
-        return box;
-      }
-      case PrimitiveKind::quadric:
-        return arrays_.quadrics[id.index()].bounds;
-      case PrimitiveKind::collection:
-        return arrays_.collections[id.index()].bounds;
-    }
-    return {};
+    return bounds_of(shapes_, part_.ids[primitive]);
   }
 
   Box clipped(uint32_t primitive, const Box& cell) const override {
     if (part_.is_triangle(primitive)) return clipped_bounds(triangle(primitive), cell);
-    const PrimitiveId id = part_.ids[primitive];
-    switch (id.kind()) {
-      case PrimitiveKind::triangle:
-      case PrimitiveKind::face:
-        break;
-      case PrimitiveKind::sphere: {
-        const SphereRecord& s = arrays_.spheres[id.index()];
-        const Vec3 nearest = glm::clamp(s.center, cell.lo, cell.hi) - s.center;
-        if (glm::dot(nearest, nearest) > s.radius * s.radius * (1 + 1e-12)) return {};
-        return intersection(sphere_box(s), cell);
-      }
-      case PrimitiveKind::polygon:
-        return clipped_bounds(points(id), cell);
-      case PrimitiveKind::quadric:
-        return intersection(arrays_.quadrics[id.index()].bounds, cell);
-      case PrimitiveKind::collection:
-        return intersection(arrays_.collections[id.index()].bounds, cell);
-    }
-    return {};
+    return clipped_to(shapes_, part_.ids[primitive], cell);
   }
 
   void chop(uint32_t primitive, const Slabs& slabs, size_t first, size_t last,
@@ -109,7 +72,8 @@ class PartSource : public PrimitiveSource {
     if (part_.is_triangle(primitive))
       return chop_polygon<glm::vec3>(part_.triangle(primitive), slabs, first, last, pieces);
     const PrimitiveId id = part_.ids[primitive];
-    if (id.kind() == PrimitiveKind::polygon) return chop_polygon(points(id), slabs, first, last, pieces);
+    if (id.kind() == PrimitiveKind::polygon)
+      return chop_polygon(shapes_.points_of(shapes_.polygons[id.index()]), slabs, first, last, pieces);
     PrimitiveSource::chop(primitive, slabs, first, last, pieces);
   }
 
@@ -118,54 +82,26 @@ class PartSource : public PrimitiveSource {
     const TriangleVertices t = part_.triangle(primitive);
     return {Vec3(t[0]), Vec3(t[1]), Vec3(t[2])};
   }
-  std::span<const Vec3> points(PrimitiveId id) const {
-    const Polygon& p = arrays_.polygons[id.index()];
-    return std::span(arrays_.polygon_points).subspan(p.first_point, p.point_count);
-  }
-  const SceneArrays<GrowingArray>& arrays_;
+  Scene shapes_;  ///< all that are there as the part is built
   const PartPrimitives& part_;
 };
 
-/// The primitives by the names that lists have for them: what was cut into triangles is one again.
-class WholePrimitives : public PrimitiveSource {
- public:
-  WholePrimitives(const PartSource& pieces, const PartPrimitives& part, const Collection& collection)
-      : pieces_(pieces) {
-    uint32_t triangle = 8 * collection.first_triangle_block, sphere = 8 * collection.first_sphere_block,
-             other = collection.first_leaf_primitive;  // as pack_leaf packs them
-    for (uint32_t i = 0; i < part.ids.size(); ++i) {
-      const bool is_triangle = part.is_triangle(i);
-      const PrimitiveId id = part.ids[i];
-      if (i == 0 || id != part.ids[i - 1]) {
-        first_.push_back(i);
-        pointers_.push_back(is_triangle ? make_pointer(PointerKind::triangle, triangle)
-                            : id.kind() == PrimitiveKind::sphere ? make_pointer(PointerKind::sphere, sphere)
-                                                                 : make_pointer(PointerKind::other, other));
-      }
-      ++(is_triangle ? triangle : id.kind() == PrimitiveKind::sphere ? sphere : other);
-    }
-    first_.push_back(static_cast<uint32_t>(part.ids.size()));
+/// The names that lists have for the primitives: what was cut into triangles is one again.
+std::vector<PrimitivePointer> pointers_to(const PartPrimitives& part, const Collection& collection) {
+  std::vector<PrimitivePointer> pointers;
+  uint32_t triangle = 8 * collection.first_triangle_block, sphere = 8 * collection.first_sphere_block,
+           other = collection.first_leaf_primitive;  // as pack_leaf packs them
+  for (uint32_t i = 0; i < part.ids.size(); ++i) {
+    const bool is_triangle = part.is_triangle(i);
+    const PrimitiveId id = part.ids[i];
+    if (i == 0 || id != part.ids[i - 1])
+      pointers.push_back(is_triangle                          ? make_pointer(PointerKind::triangle, triangle)
+                         : id.kind() == PrimitiveKind::sphere ? make_pointer(PointerKind::sphere, sphere)
+                                                              : make_pointer(PointerKind::other, other));
+    ++(is_triangle ? triangle : id.kind() == PrimitiveKind::sphere ? sphere : other);
   }
-  size_t size() const override { return pointers_.size(); }
-  Box bounds(uint32_t primitive) const override {
-    return union_of(primitive, [&](uint32_t piece) { return pieces_.bounds(piece); });
-  }
-  Box clipped(uint32_t primitive, const Box& cell) const override {
-    return union_of(primitive, [&](uint32_t piece) { return pieces_.clipped(piece, cell); });
-  }
-  std::span<const PrimitivePointer> pointers() const { return pointers_; }
-
- private:
-  template <typename BoxOf>
-  Box union_of(uint32_t primitive, BoxOf box_of) const {
-    Box box;
-    for (uint32_t piece = first_[primitive]; piece < first_[primitive + 1]; ++piece) box.grow(box_of(piece));
-    return box;
-  }
-  const PartSource& pieces_;
-  std::vector<uint32_t> first_;  ///< piece of each, and one more
-  std::vector<PrimitivePointer> pointers_;
-};
+  return pointers;
+}
 
 template <typename Array>
 uint32_t count_behind(const Array& array, uint32_t first) {
@@ -203,7 +139,9 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
     throw_if_stopped(options.stop);
     return pack_leaf(r, primitives, arrays.spheres, leaves);
   };
-  const bool has_volumes = options.hierarchy == Hierarchy::sah || options.hierarchy == Hierarchy::thesis;
+  const bool has_volumes =
+      options.hierarchy == Hierarchy::sah ||
+      (options.hierarchy == Hierarchy::thesis && options.thesis.volumes == ThesisVolumes::boxes);
   collection.structure = has_volumes ? Structure::volumes : Structure::list;
   std::vector<PlacedObject> objects;
   if (has_volumes)
@@ -215,7 +153,6 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
   collection.triangle_block_count = count_behind(arrays.triangle_blocks, collection.first_triangle_block);
   collection.sphere_block_count = count_behind(arrays.sphere_blocks, collection.first_sphere_block);
   collection.leaf_primitive_count = count_behind(arrays.leaf_primitives, collection.first_leaf_primitive);
-  if (has_volumes || options.hierarchy == Hierarchy::brute) return collection;
   if (options.hierarchy == Hierarchy::object) {
     if (placed) {
       *placed = std::move(objects);
@@ -226,14 +163,20 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
         build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
     return collection;
   }
-  const WholePrimitives whole(source, primitives, collection);
+  if (has_volumes || options.hierarchy == Hierarchy::brute) return collection;
+  const std::vector<PrimitivePointer> pointers = pointers_to(primitives, collection);
+  const Scene packed = view_of(arrays);
+  const PointedPrimitives whole(packed, collection.bounds, pointers);
   collection.has_mailbox = options.has_mailbox ? 1 : 0;
   if (options.hierarchy == Hierarchy::regular) {
     collection.structure = Structure::regular;
-    collection.grid = build_grid(whole, whole.pointers(), options, arrays);
-  } else {
+    collection.grid = build_grid(whole, pointers, options, arrays);
+  } else if (options.hierarchy == Hierarchy::adaptive) {
     collection.structure = Structure::adaptive;
-    collection.octree = build_octree(whole, whole.pointers(), options, arrays);
+    collection.octree = build_octree(whole, pointers, options, arrays);
+  } else {
+    collection.structure = Structure::octants;
+    collection.octants = build_octant_tree(whole, pointers, options, arrays);
   }
   return collection;
 }

@@ -33,6 +33,17 @@ std::vector<TriangleVertices> triangle_fan(std::span<const Vec3> points, const V
   return fan;
 }
 
+/// Moves points onto the plane, along the axis by which rays see the polygon, if they stand off by more than
+/// rounding: rays meet the plane, so bounds have to be of what lies in it.
+void flatten(const Polygon& polygon, std::span<Vec3> points) {
+  constexpr double kRounding = 1e-13;  // of a coordinate
+  const auto axis = static_cast<int>(polygon.drop_axis);
+  for (Vec3& p : points) {
+    const double off = glm::dot(polygon.normal, p) - polygon.distance;
+    if (std::abs(off) > kRounding * max_magnitude(p)) p[axis] -= off / polygon.normal[axis];
+  }
+}
+
 }  // namespace
 
 void ShapeCompiler::note_shading(uint32_t smoothing, uint32_t material, const Place& place) {
@@ -145,7 +156,10 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
   note_shading(smoothing, p.material, p.place);
   const std::vector<TriangleVertices> fan = triangle_fan(shape.points, polygon.normal);
   for (const TriangleVertices& triangle : fan) part.add_triangle(id, triangle);
-  if (fan.empty()) part.add(id);
+  if (fan.empty()) {
+    flatten(polygon, std::span(arrays_.polygon_points).subspan(polygon.first_point));
+    part.add(id);
+  }
   if (!is_luminous(p.material)) return;
   const Luminous luminous{id, p.place, p.material};
   if (fan.empty())

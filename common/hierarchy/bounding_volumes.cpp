@@ -36,16 +36,6 @@ void set(BoundingVolume& v, size_t first, const Vec3& p) {
   for (size_t i = 0; i < 3; ++i) v.numbers[first + i] = p[static_cast<int>(i)];
 }
 
-std::optional<double> entry_into_sphere(const BoundingVolume& v, const Vec3& o, const Vec3& d) {
-  const Vec3 to_center = at(v, 0) - o;
-  const double dd = glm::dot(d, d), nearest = glm::dot(to_center, d) / dd;
-  const Vec3 off = nearest * d - to_center;
-  const double rest = v.numbers[3] * v.numbers[3] - glm::dot(off, off);
-  if (!(rest >= 0)) return std::nullopt;
-  const double half = std::sqrt(rest / dd);
-  return Passage{-half, half}.entry(nearest);
-}
-
 std::optional<double> entry_into_box(const BoundingVolume& v, const Vec3& o, const Vec3& d) {
   Passage passage;
   for (size_t i = 0; i < 3; ++i) {
@@ -299,7 +289,7 @@ bool is_box(std::span<const FitPoint> points) {
 std::optional<double> entry_into(const BoundingVolume& volume, const Vec3& origin, const Vec3& direction) {
   switch (volume.kind) {
     case VolumeKind::sphere:
-      return entry_into_sphere(volume, origin, direction);
+      return entry_into(Ball{at(volume, 0), volume.numbers[3]}, origin, direction);
     case VolumeKind::box:
       return entry_into_box(volume, origin, direction);
     case VolumeKind::cylinder:
@@ -308,6 +298,16 @@ std::optional<double> entry_into(const BoundingVolume& volume, const Vec3& origi
       return entry_into_slabs(volume, origin, direction);
   }
   return 0;
+}
+
+std::optional<double> entry_into(const Ball& ball, const Vec3& o, const Vec3& d) {
+  const Vec3 to_center = ball.center - o;
+  const double dd = glm::dot(d, d), nearest = glm::dot(to_center, d) / dd;
+  const Vec3 off = nearest * d - to_center;
+  const double rest = ball.radius * ball.radius - glm::dot(off, off);
+  if (!(rest >= 0)) return std::nullopt;
+  const double half = std::sqrt(rest / dd);
+  return Passage{-half, half}.entry(nearest);
 }
 
 }  // namespace rayfarm

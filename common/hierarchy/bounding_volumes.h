@@ -56,5 +56,6 @@ bool is_box(std::span<const FitPoint> points);
 /// Where a ray enters the volume: 0 if it begins inside; none if it misses it. `direction` is of any length,
 /// not 0.
 std::optional<double> entry_into(const BoundingVolume& volume, const Vec3& origin, const Vec3& direction);
+std::optional<double> entry_into(const Ball& ball, const Vec3& origin, const Vec3& direction);
 
 }  // namespace rayfarm

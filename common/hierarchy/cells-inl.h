@@ -1,4 +1,5 @@
-// What rays do in cells, of grids and octrees alike. Compiled once for each SIMD target.
+// What rays do in cells, of grids and octrees alike, and in other lists of primitives. Compiled once for each
+// SIMD target.
 #if defined(RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
 #undef RAYFARM_COMMON_HIERARCHY_CELLS_INL_H_
@@ -46,30 +47,25 @@ HWY_INLINE double distance_to_plane(const PrimitiveRay& ray, size_t axis, double
                                   : (plane - ray.origin[axis]) / ray.direction[axis];
 }
 
-/// A part of primitive_pointers.
-struct CellList {
-  uint32_t first, count;
-};
+using CellList = std::span<const PrimitivePointer>;
 
-/// Tests the lists of cells on a ray's way, with a mailbox each primitive once (Shirley, Sung and
+/// Tests the lists on a ray's way, with a mailbox each primitive once (Shirley, Sung and
 /// Brown, 2.3).
 template <typename Search>
 class CellTests {
  public:
-  HWY_INLINE CellTests(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
-                       uint32_t instance, Search& search)
-      : scene_(scene),
-        ray_(ray),
+  HWY_INLINE CellTests(const Collection& collection, const PrimitiveRay& ray, uint32_t instance,
+                       Search& search)
+      : ray_(ray),
         instance_(instance),
         search_(search),
         mailbox_(collection.has_mailbox != 0 ? &Mailbox::of_this_thread() : nullptr) {
-    if (mailbox_) search_number_ = mailbox_->begin_search(scene);
+    if (mailbox_) mailbox_search_ = mailbox_->begin_search(collection);
   }
-  /// The primitives that a cell lists. True: the search is over.
+  /// The primitives of a list. True: the search is over.
   HWY_INLINE bool test(const CellList& list) {
-    if constexpr (Search::kCounts) search_.count_cell(list.count);
-    for (const PrimitivePointer& pointer : scene_.primitive_pointers.subspan(list.first, list.count)) {
-      if (mailbox_ && !mailbox_->take(pointer, search_number_)) {
+    for (const PrimitivePointer& pointer : list) {
+      if (mailbox_ && !mailbox_->take(pointer, mailbox_search_)) {
         if constexpr (Search::kCounts) search_.count_saved_test();
         continue;
       }
@@ -79,28 +75,28 @@ class CellTests {
   }
 
  private:
-  const Scene& scene_;
   const PrimitiveRay& ray_;
   uint32_t instance_;
   Search& search_;
   Mailbox* mailbox_;  ///< none: tests are made again
-  uint64_t search_number_ = 0;
+  Mailbox::Search mailbox_search_{};
 };
 
 /// Searches cells that fill `box`; true: the search is over. `begin_walk(entry)` makes a walk from cell to
 /// cell, from where the ray has gone as far as `entry`. What a cell lists may be hit in another: the walk
 /// goes on until the next cell lies behind the hit.
 template <typename Search, typename BeginWalk>
-HWY_INLINE bool search_cells(const Scene& scene, const Collection& collection, const Box& box,
-                             const PrimitiveRay& ray, uint32_t instance, Search& search,
-                             BeginWalk begin_walk) {
+HWY_INLINE bool search_cells(const Collection& collection, const Box& box, const PrimitiveRay& ray,
+                             uint32_t instance, Search& search, BeginWalk begin_walk) {
   if (is_too_far_for_cells(box, ray.origin_vector())) return search_list(collection, ray, instance, search);
   const Passage passage = passage_through(with_margin(box), ray);
   if (passage.is_empty() || passage.begin > search.t_far()) return false;
-  CellTests tests(scene, collection, ray, instance, search);
+  CellTests tests(collection, ray, instance, search);
   auto walk = begin_walk(passage.begin);
   do {
-    if (tests.test(walk.list())) return true;
+    const CellList list = walk.list();
+    if constexpr (Search::kCounts) search.count_cell(static_cast<uint32_t>(list.size()));
+    if (tests.test(list)) return true;
   } while (walk.exit() <= search.t_far() && walk.advance());
   return false;
 }

@@ -8,6 +8,9 @@ namespace {
 /// Of a box's largest coordinate.
 constexpr double kMargin = 1e-9;
 
+/// Of a coordinate on a ray's way: fewer, each of half a last bit.
+constexpr double kRoundings = 16;
+
 }  // namespace
 
 Box thick_bounds(const PrimitiveSource& source) {
@@ -22,8 +25,12 @@ Box with_margin(const Box& box) {
   return {box.lo - margin, box.hi + margin};
 }
 
+double surface_error(const Box& box) {
+  constexpr double kQuadricRoundings = 128;  // of the origin's largest coordinate: what intersect() promises
+  return kQuadricRoundings / kRoundings * kMargin * box.magnitude();
+}
+
 bool is_too_far(double magnitude, const Vec3& origin) {
-  constexpr double kRoundings = 16;  // of a coordinate on the way: fewer, each of half a last bit
   return kRoundings * std::numeric_limits<double>::epsilon() * (max_magnitude(origin) + magnitude) >
          kMargin * magnitude;
 }

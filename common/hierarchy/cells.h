@@ -10,6 +10,9 @@ Box thick_bounds(const PrimitiveSource& source);
 /// The box, larger by what rounding on a ray's way through it may come to.
 Box with_margin(const Box& box);
 
+/// How far from its surface a quadric in the box may be hit by a ray that is not too far away.
+double surface_error(const Box& box);
+
 /// True if rounding may come to more for a ray from there. `magnitude`: the box's largest coordinate.
 bool is_too_far(double magnitude, const Vec3& origin);
 

@@ -10,6 +10,7 @@
 
 #include "common/hierarchy/grid-inl.h"
 #include "common/hierarchy/object_walk-inl.h"
+#include "common/hierarchy/octant_walk-inl.h"
 #include "common/hierarchy/octree-inl.h"
 #include "common/hierarchy/walk-inl.h"
 
@@ -36,8 +37,23 @@ HWY_NOINLINE bool search_collection(const Scene& scene, const Collection& collec
       return search_objects(scene, collection, ray, instance, search);
     case Structure::adaptive:
       return search_octree(scene, collection, ray, instance, search);
+    case Structure::octants:
+      return search_octants(scene, collection, ray, instance, search);
   }
   return false;
+}
+
+/// The same of a collection that is a primitive of another one: what misses its box is not tested with a
+/// list. Other structures look at their boxes themselves.
+template <typename Search>
+HWY_NOINLINE bool search_inner_collection(const Scene& scene, const Collection& collection,
+                                          const PrimitiveRay& ray, uint32_t instance, Search& search) {
+  if (collection.structure == Structure::list &&
+      !is_too_far(collection.bounds.magnitude(), ray.origin_vector())) {
+    const Passage passage = passage_through(with_margin(collection.bounds), ray);
+    if (passage.is_empty() || passage.begin > search.t_far()) return false;
+  }
+  return search_collection(scene, collection, ray, instance, search);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -22,9 +22,11 @@ namespace HWY_NAMESPACE {
 class CellWalk {
  public:
   /// `entry`: how far the ray goes to be inside.
-  HWY_INLINE CellWalk(std::span<const uint32_t> begins, const Grid& grid, const PrimitiveRay& ray,
-                      double entry)
-      : begins_(begins), grid_(grid), ray_(ray) {
+  HWY_INLINE CellWalk(const Scene& scene, const Grid& grid, const PrimitiveRay& ray, double entry)
+      : begins_(scene.grid_cells.subspan(grid.first_cell)),
+        pointers_(scene.primitive_pointers),
+        grid_(grid),
+        ray_(ray) {
     for (size_t i = 0; i < 3; ++i) {
       const auto axis = static_cast<int>(i);
       const double at = (ray.origin[i] + entry * ray.direction[i] - grid.low[axis]) / grid.cell[axis];
@@ -35,7 +37,7 @@ class CellWalk {
   }
   CellList list() const {
     const size_t cell = grid_.index(place_[0], place_[1], place_[2]);
-    return {begins_[cell], begins_[cell + 1] - begins_[cell]};
+    return pointers_.subspan(begins_[cell], begins_[cell + 1] - begins_[cell]);
   }
   /// How far the ray is when it leaves the cell.
   double exit() const { return next_[axis_of_exit()]; }
@@ -60,6 +62,7 @@ class CellWalk {
   }
 
   std::span<const uint32_t> begins_;  ///< of the cells' lists
+  std::span<const PrimitivePointer> pointers_;
   const Grid& grid_;
   const PrimitiveRay& ray_;
   std::array<uint32_t, 3> place_;
@@ -70,9 +73,8 @@ template <typename Search>
 HWY_NOINLINE bool search_grid(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
                               uint32_t instance, Search& search) {
   const Grid& grid = scene.grids[collection.grid];
-  return search_cells(scene, collection, grid.box(), ray, instance, search, [&](double entry) HWY_ATTR {
-    return CellWalk(scene.grid_cells.subspan(grid.first_cell), grid, ray, entry);
-  });
+  return search_cells(collection, grid.box(), ray, instance, search,
+                      [&](double entry) HWY_ATTR { return CellWalk(scene, grid, ray, entry); });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -21,7 +21,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 template <typename Search>
 bool search_collection(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
-                       uint32_t instance, Search& search);  // collections-inl.h
+                       uint32_t instance, Search& search);  // these two: collections-inl.h
+template <typename Search>
+bool search_inner_collection(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
+                             uint32_t instance, Search& search);
 
 /// Tests all primitives of the collection.
 template <typename Search>
@@ -122,7 +125,7 @@ class ClosestHit {
     } else if (leaf.kind() == ChildKind::mixed) {
       for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count())) {
         if (id.kind() == PrimitiveKind::collection)
-          search_collection(*scene_, scene_->collections[id.index()], ray, instance, *this);
+          search_inner_collection(*scene_, scene_->collections[id.index()], ray, instance, *this);
         else if (const auto t = intersect_one(*scene_, id, ray, hit_->t);
                  t && hit_->is_beaten_by(*t, instance, id))
           accept({*t, instance, id});
@@ -220,7 +223,8 @@ class AnyHit {
     } else if (leaf.kind() == ChildKind::mixed) {
       for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count())) {
         if (id.kind() == PrimitiveKind::collection) {
-          if (search_collection(*scene_, scene_->collections[id.index()], ray, instance, *this)) return true;
+          if (search_inner_collection(*scene_, scene_->collections[id.index()], ray, instance, *this))
+            return true;
         } else if (const auto found = ClosestHit::intersect_one(*scene_, id, ray, t_max_);
                    found && *found < t_max_) {
           return true;

@@ -7,12 +7,13 @@ Mailbox& Mailbox::of_this_thread() {
   return mailbox;
 }
 
-uint64_t Mailbox::begin_search(const Scene& scene) {
-  const size_t triangles = 8 * scene.triangle_blocks.size(), spheres = 8 * scene.sphere_blocks.size(),
-               all = triangles + spheres + scene.leaf_primitives.size();
-  first_ = {0, triangles, triangles + spheres};
+Mailbox::Search Mailbox::begin_search(const Collection& c) {
+  const size_t triangles = 8 * size_t{c.triangle_block_count}, spheres = 8 * size_t{c.sphere_block_count},
+               all = triangles + spheres + c.leaf_primitive_count;
   if (last_search_.size() < all) last_search_.resize(all);
-  return ++searches_;
+  return {++searches_,
+          {0 - 8 * size_t{c.first_triangle_block}, triangles - 8 * size_t{c.first_sphere_block},
+           triangles + spheres - c.first_leaf_primitive}};
 }
 
 }  // namespace rayfarm

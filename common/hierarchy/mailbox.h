@@ -12,21 +12,26 @@ namespace rayfarm {
 /// hit so far, which a second test of the same primitive can't beat.
 class Mailbox {
  public:
-  /// Threads have one each, so that none waits for another.
+  /// Of one ray in one collection.
+  struct Search {
+    uint64_t number;
+    /// Where the numbers of each PointerKind begin, less where the collection's own begin in the scene.
+    std::array<size_t, 3> first;
+  };
+
+  /// Threads have one each, so that none waits for another. It is as large as the largest collection.
   static Mailbox& of_this_thread();
-  /// Of one ray in one collection; the number that it has.
-  uint64_t begin_search(const Scene& scene);
-  /// True for the first time in a search.
-  bool take(const PrimitivePointer& pointer, uint64_t search) {
-    uint64_t& last = last_search_[first_[static_cast<size_t>(pointer.kind())] + pointer.place()];
-    if (last == search) return false;
-    last = search;
+  Search begin_search(const Collection& collection);
+  /// True for the first time in a search. Searches in searches only forget what the outer ones tested.
+  bool take(const PrimitivePointer& pointer, const Search& search) {
+    uint64_t& last = last_search_[search.first[static_cast<size_t>(pointer.kind())] + pointer.place()];
+    if (last == search.number) return false;
+    last = search.number;
     return true;
   }
 
  private:
-  std::vector<uint64_t> last_search_;  ///< by where primitives stand in blocks, and in leaf_primitives
-  std::array<size_t, 3> first_{};      ///< of each PointerKind
+  std::vector<uint64_t> last_search_;
   uint64_t searches_ = 0;
 };
 

@@ -10,19 +10,22 @@ std::vector<ListedObject>& list_of_thread() {
   return list;
 }
 
+bool is_behind(const ListedObject& a, const ListedObject& b) {
+  return a.entry > b.entry || (a.entry == b.entry && a.node > b.node);
+}
+
 }  // namespace
 
 ObjectList::ObjectList() : all_(list_of_thread()), begin_(all_.size()) {}
 
+void ObjectList::add(const ListedObject& object) {
+  all_.push_back(object);
+  std::push_heap(begin(), all_.end(), is_behind);
+}
+
 ListedObject ObjectList::take_nearest() {
-  const auto nearest = std::min_element(all_.begin() + static_cast<std::ptrdiff_t>(begin_), all_.end(),
-                                        [](const ListedObject& a, const ListedObject& b) {
-                                          return a.entry < b.entry || (a.entry == b.entry && a.node < b.node);
-                                        });
-  const ListedObject taken = *nearest;
-  *nearest = all_.back();
-  all_.pop_back();
-  return taken;
+  std::pop_heap(begin(), all_.end(), is_behind);
+  return take_last();
 }
 
 }  // namespace rayfarm

@@ -12,8 +12,8 @@ struct ListedObject {
   uint32_t node;  ///< in bounding_nodes
 };
 
-/// A thread has one list, of which walks within walks have a piece each. Take all of it by `take_nearest`, or
-/// all by `take_last`.
+/// A thread has one list, of which walks within walks have a piece each: a heap, filled by `add` and emptied
+/// by `take_nearest`, or a stack, by `push` and `take_last`.
 class ObjectList {
  public:
   ObjectList();
@@ -22,9 +22,10 @@ class ObjectList {
   ObjectList& operator=(const ObjectList&) = delete;
 
   bool is_empty() const { return all_.size() == begin_; }
-  void push(const ListedObject& object) { all_.push_back(object); }
+  void add(const ListedObject& object);
   /// Of those at equal distance the one that is first in the tree.
   ListedObject take_nearest();
+  void push(const ListedObject& object) { all_.push_back(object); }
   ListedObject take_last() {
     const ListedObject last = all_.back();
     all_.pop_back();
@@ -32,6 +33,8 @@ class ObjectList {
   }
 
  private:
+  auto begin() { return all_.begin() + static_cast<std::ptrdiff_t>(begin_); }
+
   std::vector<ListedObject>& all_;
   size_t begin_;  ///< of this walk's piece
 };

@@ -31,43 +31,54 @@ class ObjectWalk {
         ray_(ray),
         instance_(instance),
         search_(search),
-        is_far_(is_too_far_for_volumes(tree, ray.origin_vector())) {}
+        is_far_(is_too_far_for_volumes(tree, ray.origin_vector())),
+        is_sorted_(tree.order == ObjectOrder::sorted) {}
 
   /// True: the search is over. `is_inside`: the root's volumes are known to be met.
   bool run(bool is_inside) {
     if (is_inside)
-      list_.push({0, tree_.root});
-    else
-      test(tree_.root);
-    const bool is_sorted = tree_.order == ObjectOrder::sorted;
+      list({0, tree_.root});
+    else if (test(tree_.root))
+      return true;
     while (!list_.is_empty()) {
-      const ListedObject next = is_sorted ? list_.take_nearest() : list_.take_last();
-      if (is_sorted && next.entry > search_.t_far()) break;
+      const ListedObject next = is_sorted_ ? list_.take_nearest() : list_.take_last();
+      if (is_sorted_ && next.entry > search_.t_far()) break;
       if (visit(scene_.bounding_nodes[next.node])) return true;
     }
     return false;
   }
 
  private:
-  void test(uint32_t index) {
+  void list(const ListedObject& object) {
+    if (is_sorted_)
+      list_.add(object);
+    else
+      list_.push(object);
+  }
+
+  /// Lists what the ray may meet; an object that has no volume is looked into at once.
+  bool test(uint32_t index) {
     const BoundingNode& node = scene_.bounding_nodes[index];
     if constexpr (Search::kCounts) search_.count_element();
+    if (node.volume_count == 0 && !node.is_group()) return visit(node);
     double entry = 0;
     if (!is_far_)
       for (const BoundingVolume& volume :
            scene_.bounding_volumes.subspan(node.first_volume, node.volume_count)) {
         if constexpr (Search::kCounts) search_.count(volume);
         const std::optional<double> t = entry_into(volume, ray_.origin_vector(), ray_.direction_vector());
-        if (!t) return;
+        if (!t) return false;
         entry = std::max(entry, *t);
       }
-    list_.push({entry, index});
+    list({entry, index});
+    return false;
   }
 
   bool visit(const BoundingNode& node) {
     if constexpr (Search::kCounts) search_.count(node);
     if (node.is_group()) {
-      for (uint32_t i = 0; i < node.child_count; ++i) test(node.first_child + i);
+      for (uint32_t i = 0; i < node.child_count; ++i)
+        if (test(node.first_child + i)) return true;
       return false;
     }
     if (node.instance == kNone) return visit_object(node, ray_, instance_);
@@ -97,7 +108,7 @@ class ObjectWalk {
   const PrimitiveRay& ray_;
   uint32_t instance_;
   Search& search_;
-  bool is_far_;
+  bool is_far_, is_sorted_;
   ObjectList list_;
 };
 

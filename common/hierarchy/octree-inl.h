@@ -14,27 +14,98 @@
 #include <cmath>
 
 #include "common/hierarchy/cells-inl.h"
+#include "common/hierarchy/growing_octree.h"
 #include "common/hierarchy/octree.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
 namespace HWY_NAMESPACE {
 
+/// One that was built before: as the scene holds it.
+class BuiltTree {
+ public:
+  using Node = const OctreeNode;
+  BuiltTree(const Scene& scene, const Octree& octree)
+      : nodes_(scene.octree_nodes.subspan(octree.first_node, octree.node_count)),
+        cells_(scene.octree_cells.subspan(octree.first_cell, octree.cell_count)),
+        table_(scene.octree_hash.subspan(octree.first_place, octree.place_count)),
+        pointers_(scene.primitive_pointers) {}
+  Node* root() const { return nodes_.data(); }
+  static const OctreeNode& cube_of(Node& node) { return node; }
+  static bool is_divided(Node& node) { return node.is_divided != 0; }
+  Node* child(Node& node) const { return at(node.child); }
+  Node* sibling(Node& node) const { return at(node.sibling); }
+
+  /// What the cell of a node with this name lists.
+  template <typename Search>
+  HWY_INLINE CellList list(Node& node, uint64_t name, Search& search) const {
+    if (table_.empty()) return list_of(cells_[node.child]);
+    uint32_t i = table_[name % table_.size()];
+    while (i != kNone) {
+      if constexpr (Search::kCounts) search.count_chain_step();
+      if (cells_[i].name == name) return list_of(cells_[i]);
+      i = cells_[i].next;
+    }
+    return {};
+  }
+
+ private:
+  Node* at(uint32_t index) const { return index == kNone ? nullptr : &nodes_[index]; }
+  CellList list_of(const OctreeCell& cell) const {
+    return pointers_.subspan(cell.first_pointer, cell.pointer_count);
+  }
+  std::span<const OctreeNode> nodes_;
+  std::span<const OctreeCell> cells_;
+  std::span<const uint32_t> table_;
+  std::span<const PrimitivePointer> pointers_;
+};
+
+/// One that is built while rays are traced.
+class GrowingTree {
+ public:
+  using Node = GrownNode;
+  GrowingTree(const Scene& scene, const Octree& octree, GrownOctree& grown)
+      : scene_(scene), octree_(octree), grown_(grown) {}
+  Node* root() const { return grown_.root; }
+  static const OctreeNode& cube_of(Node& node) { return node.cube; }
+  bool is_divided(Node& node) const {
+    GrownNode::State state = node.state.load(std::memory_order_acquire);
+    if (HWY_UNLIKELY(state == GrownNode::State::open)) state = enter_open_node(scene_, octree_, grown_, node);
+    return state == GrownNode::State::divided;
+  }
+  static Node* child(Node& node) { return node.child; }
+  static Node* sibling(Node& node) { return node.sibling; }
+
+  template <typename Search>
+  HWY_INLINE CellList list(Node& node, uint64_t name, Search& search) const {
+    if (grown_.table.empty()) return node.primitives;
+    const Node* cell = grown_.table[name % grown_.table.size()].load(std::memory_order_acquire);
+    for (; cell; cell = cell->next) {
+      if constexpr (Search::kCounts) search.count_chain_step();
+      if (cell->name == name) return cell->primitives;
+    }
+    return {};
+  }
+
+ private:
+  const Scene& scene_;
+  const Octree& octree_;
+  GrownOctree& grown_;
+};
+
 /// The cells that a ray passes, one after the other. Its place is a point in the cell, counted in the
 /// octree's units; along each axis it only ever moves as the ray does, so that the walk ends, and lies off
 /// the ray by no more than the smallest cell and rounding.
-template <typename Search>
+template <typename Search, typename Tree>
 class OctreeWalk {
+  using Node = typename Tree::Node;
+
  public:
   /// `entry`: how far the ray goes to be inside.
-  HWY_INLINE OctreeWalk(const Scene& scene, const Octree& octree, const PrimitiveRay& ray, double entry,
+  HWY_INLINE OctreeWalk(const Octree& octree, const Tree& tree, const PrimitiveRay& ray, double entry,
                         Search& search)
-      : octree_(octree),
-        nodes_(scene.octree_nodes.subspan(octree.first_node, octree.node_count)),
-        cells_(scene.octree_cells.subspan(octree.first_cell, octree.cell_count)),
-        table_(scene.octree_hash.subspan(octree.first_place, octree.place_count)),
-        ray_(ray),
-        search_(search) {
+      : octree_(octree), tree_(tree), ray_(ray), search_(search) {
+    path_[0] = tree.root();
     for (size_t axis = 0; axis < 3; ++axis)
       place_[axis] = static_cast<uint32_t>(std::clamp(along(axis, entry), 0.0, octree.size - 1.0));
     t_ = entry;
@@ -43,8 +114,7 @@ class OctreeWalk {
   }
 
   HWY_INLINE CellList list() const {
-    const OctreeCell* const cell = this->cell();
-    return cell ? CellList{cell->first_pointer, cell->pointer_count} : CellList{};
+    return is_empty_ ? CellList{} : tree_.list(*path_[depth_], name_, search_);
   }
 
   /// How far the ray is when it leaves the cell.
@@ -71,19 +141,6 @@ class OctreeWalk {
   }
 
  private:
-  /// What the cell holds; none: nothing.
-  HWY_INLINE const OctreeCell* cell() const {
-    if (is_empty_) return nullptr;
-    if (table_.empty()) return &cells_[nodes_[path_[depth_]].child];
-    uint32_t i = table_[name_ % table_.size()];
-    while (i != kNone) {
-      if constexpr (Search::kCounts) search_.count_chain_step();
-      if (cells_[i].name == name_) return &cells_[i];
-      i = cells_[i].next;
-    }
-    return nullptr;
-  }
-
   /// In units from the cube's corner, not below 0; 0 where a damaged scene's numbers are too large for any.
   double along(size_t i, double t) const {
     const auto axis = static_cast<int>(i);
@@ -122,7 +179,7 @@ class OctreeWalk {
         to = is_empty_ ? depth_ : depth_ - 1;
         for (;; --to) {
           count_node();
-          if (to == 0 || is_in(nodes_[path_[to]])) break;
+          if (to == 0 || is_in(Tree::cube_of(*path_[to]))) break;
         }
         break;
       case OctreeNext::dda: {
@@ -148,28 +205,30 @@ class OctreeWalk {
 
   /// From a node that holds the place to the cell: undivided, or an octant without data.
   HWY_INLINE void descend() {
-    const OctreeNode* node = &nodes_[path_[depth_]];
+    Node* node = path_[depth_];
     is_empty_ = false;
-    while (node->is_divided != 0) {
-      const uint32_t octant = octant_of(*node, place_);
+    while (tree_.is_divided(*node)) {
+      const OctreeNode& cube = Tree::cube_of(*node);
+      const uint32_t octant = octant_of(cube, place_);
       name_ = 8 * name_ + octant;
-      uint32_t child = node->child;
-      for (; child != kNone; child = nodes_[child].sibling) {
+      Node* child = tree_.child(*node);
+      for (; child; child = tree_.sibling(*child)) {
         count_node();
-        if (octant_of(*node, nodes_[child].center) == octant) break;
+        if (octant_of(cube, Tree::cube_of(*child).center) == octant) break;
       }
-      if (child == kNone) {
+      if (!child) {
         is_empty_ = true;
         for (size_t axis = 0; axis < 3; ++axis)
-          low_[axis] = octant >> axis & 1 ? node->center[axis] : node->center[axis] - node->size / 2;
-        set_exits(node->size / 2);
+          low_[axis] = octant >> axis & 1 ? cube.center[axis] : cube.center[axis] - cube.size / 2;
+        set_exits(cube.size / 2);
         return;
       }
       path_[++depth_] = child;
-      node = &nodes_[child];
+      node = child;
     }
-    for (size_t axis = 0; axis < 3; ++axis) low_[axis] = node->center[axis] - node->size / 2;
-    set_exits(node->size);
+    const OctreeNode& cube = Tree::cube_of(*node);
+    for (size_t axis = 0; axis < 3; ++axis) low_[axis] = cube.center[axis] - cube.size / 2;
+    set_exits(cube.size);
   }
 
   HWY_INLINE void set_exits(uint32_t size) {
@@ -186,28 +245,30 @@ class OctreeWalk {
   }
 
   const Octree& octree_;
-  std::span<const OctreeNode> nodes_;
-  std::span<const OctreeCell> cells_;
-  std::span<const uint32_t> table_;
+  const Tree tree_;
   const PrimitiveRay& ray_;
   Search& search_;
-  double t_;                                           ///< where the ray is
-  std::array<uint32_t, 3> place_;                      ///< the point that it stands for
-  std::array<uint32_t, kMostOctreeDepth + 1> path_{};  ///< nodes from the root to the cell's, or its parent
-  size_t depth_ = 0;                                   ///< of the last
-  uint64_t name_ = 1;                                  ///< the cell's
-  bool is_empty_ = false;                              ///< the cell has no node
-  std::array<uint32_t, 3> low_;                        ///< its corner
-  uint32_t size_;                                      ///< its edges
-  std::array<double, 3> exits_;                        ///< where the ray crosses the planes of faces ahead
+  double t_;                                      ///< where the ray is
+  std::array<uint32_t, 3> place_;                 ///< the point that it stands for
+  std::array<Node*, kMostOctreeDepth + 1> path_;  ///< nodes from the root to the cell's, or its parent
+  size_t depth_ = 0;                              ///< of the last
+  uint64_t name_ = 1;                             ///< the cell's
+  bool is_empty_ = false;                         ///< the cell has no node
+  std::array<uint32_t, 3> low_;                   ///< its corner
+  uint32_t size_;                                 ///< its edges
+  std::array<double, 3> exits_;                   ///< where the ray crosses the planes of faces ahead
 };
 
 template <typename Search>
 HWY_NOINLINE bool search_octree(const Scene& scene, const Collection& collection, const PrimitiveRay& ray,
                                 uint32_t instance, Search& search) {
   const Octree& octree = scene.octrees[collection.octree];
-  return search_cells(scene, collection, octree.box(), ray, instance, search,
-                      [&](double entry) HWY_ATTR { return OctreeWalk(scene, octree, ray, entry, search); });
+  const auto search_tree = [&](const auto& tree) HWY_ATTR {
+    return search_cells(collection, octree.box(), ray, instance, search,
+                        [&](double entry) HWY_ATTR { return OctreeWalk(octree, tree, ray, entry, search); });
+  };
+  GrownOctree* const grown = scene.tracing ? scene.tracing->octrees[collection.octree].get() : nullptr;
+  return grown ? search_tree(GrowingTree(scene, octree, *grown)) : search_tree(BuiltTree(scene, octree));
 }
 
 }  // namespace HWY_NAMESPACE

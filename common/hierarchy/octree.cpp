@@ -23,10 +23,11 @@ class Builder {
     octree_.size = 2u << options.octree_depth;
     octree_.unit = 2 * half / octree_.size;
     octree_.next = options.octree_next;
+    octree_.max_primitives = options.max_primitives;
+    octree_.build = options.octree_build;
     octree_.first_node = static_cast<uint32_t>(arrays.octree_nodes.size());
     octree_.first_cell = static_cast<uint32_t>(arrays.octree_cells.size());
     octree_.first_place = static_cast<uint32_t>(arrays.octree_hash.size());
-    margin_ = with_margin(octree_.box()).hi - octree_.box().hi;
     for (uint32_t i = 0; i < source.size(); ++i) bounds_.push_back(source.bounds(i));
   }
 
@@ -38,12 +39,15 @@ class Builder {
     OpenNode all{0, 1, {}};
     for (uint32_t i = 0; i < source_.size(); ++i) all.primitives.push_back(i);
     pointer_count_ = all.primitives.size();
+    if (options_.progress) options_.progress->total += pointer_count_;
     std::vector<OpenNode> level;
     level.push_back(std::move(all));
     while (!level.empty()) {
       std::vector<OpenNode> next;
       for (OpenNode& open : level)
-        if (is_to_be_divided(open))
+        if (octree_.build == OctreeBuild::before &&
+            is_to_be_divided(octree_, node(open.node).size, open.primitives.size(), pointer_count_,
+                             source_.size()))
           divide(open, next);
         else
           close(open);
@@ -59,26 +63,17 @@ class Builder {
  private:
   OctreeNode& node(uint32_t index) { return arrays_.octree_nodes[octree_.first_node + index]; }
 
-  bool is_to_be_divided(const OpenNode& open) {
-    constexpr size_t kMostPointersMore = 4096;
-    return open.primitives.size() > options_.max_primitives && node(open.node).size > 2 &&
-           pointer_count_ <= kMostPointersForEach * source_.size() + kMostPointersMore;
-  }
-
   /// Octants without data have no node.
   void divide(const OpenNode& open, std::vector<OpenNode>& next) {
     throw_if_stopped(options_.stop);
     const OctreeNode parent = node(open.node);
     node(open.node).is_divided = 1;
+    const size_t pointers_before = pointer_count_;
     pointer_count_ -= open.primitives.size();
     uint32_t previous = kNone;
     for (uint32_t octant = 0; octant < 8; ++octant) {
-      OctreeNode child;
-      child.size = parent.size / 2;
-      for (size_t axis = 0; axis < 3; ++axis)
-        child.center[axis] =
-            octant >> axis & 1 ? parent.center[axis] + child.size / 2 : parent.center[axis] - child.size / 2;
-      std::vector<uint32_t> inside = those_in(box_of(child), open.primitives);
+      const OctreeNode child = make_octant(parent, octant);
+      std::vector<uint32_t> inside = those_in_octant(octree_, child, source_, bounds_, open.primitives);
       if (inside.empty()) continue;
       const auto index = static_cast<uint32_t>(arrays_.octree_nodes.size()) - octree_.first_node;
       arrays_.octree_nodes.push_back(child);
@@ -87,20 +82,7 @@ class Builder {
       pointer_count_ += inside.size();
       next.push_back({index, 8 * open.name + octant, std::move(inside)});
     }
-  }
-
-  Box box_of(const OctreeNode& node) const {
-    const Vec3 center(node.center[0], node.center[1], node.center[2]), half(node.size / 2);
-    return {octree_.low + octree_.unit * (center - half) - margin_,
-            octree_.low + octree_.unit * (center + half) + margin_};
-  }
-
-  std::vector<uint32_t> those_in(const Box& cell, const std::vector<uint32_t>& primitives) const {
-    std::vector<uint32_t> inside;
-    for (const uint32_t i : primitives)
-      if (!intersection(bounds_[i], cell).is_empty() && !source_.clipped(i, cell).is_empty())
-        inside.push_back(i);
-    return inside;
+    if (options_.progress) options_.progress->total += pointer_count_ - pointers_before;
   }
 
   void close(const OpenNode& open) {
@@ -114,6 +96,7 @@ class Builder {
     if (options_.octree_data == OctreeData::pointers)
       node(open.node).child = static_cast<uint32_t>(arrays_.octree_cells.size()) - octree_.first_cell;
     arrays_.octree_cells.push_back(cell);
+    if (options_.progress) options_.progress->done += open.primitives.size();
   }
 
   void fill_hash_table() {
@@ -133,12 +116,39 @@ class Builder {
   const BuildOptions& options_;
   SceneArrays<GrowingArray>& arrays_;
   Octree octree_;
-  Vec3 margin_{0};
   std::vector<Box> bounds_;  ///< of the primitives
   size_t pointer_count_ = 0;
 };
 
 }  // namespace
+
+bool is_to_be_divided(const Octree& octree, uint32_t size, size_t primitives, size_t pointers, size_t all) {
+  constexpr size_t kMostPointersMore = 4096;
+  return primitives > octree.max_primitives && size > 2 &&
+         pointers <= kMostPointersForEach * all + kMostPointersMore;
+}
+
+OctreeNode make_octant(const OctreeNode& node, uint32_t octant) {
+  OctreeNode part;
+  part.size = node.size / 2;
+  for (size_t axis = 0; axis < 3; ++axis)
+    part.center[axis] =
+        octant >> axis & 1 ? node.center[axis] + part.size / 2 : node.center[axis] - part.size / 2;
+  return part;
+}
+
+std::vector<uint32_t> those_in_octant(const Octree& octree, const OctreeNode& octant,
+                                      const PrimitiveSource& source, std::span<const Box> bounds,
+                                      std::span<const uint32_t> primitives) {
+  const Vec3 margin = with_margin(octree.box()).hi - octree.box().hi, half(octant.size / 2),
+             center(octant.center[0], octant.center[1], octant.center[2]);
+  const Box cell{octree.low + octree.unit * (center - half) - margin,
+                 octree.low + octree.unit * (center + half) + margin};
+  std::vector<uint32_t> inside;
+  for (const uint32_t i : primitives)
+    if (!intersection(bounds[i], cell).is_empty() && !source.clipped(i, cell).is_empty()) inside.push_back(i);
+  return inside;
+}
 
 uint32_t build_octree(const PrimitiveSource& source, std::span<const PrimitivePointer> pointers,
                       const BuildOptions& options, SceneArrays<GrowingArray>& arrays) {

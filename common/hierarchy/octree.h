@@ -11,8 +11,22 @@ namespace rayfarm {
 /// times more in all.
 inline constexpr size_t kMostPointersForEach = 32;
 
+/// True if a node of the given size (OctreeNode) that holds so many `primitives` is to be divided;
+/// `pointers`: those in all lists so far, to `all` primitives.
+bool is_to_be_divided(const Octree& octree, uint32_t size, size_t primitives, size_t pointers, size_t all);
+
+/// A node's part, without children yet.
+OctreeNode make_octant(const OctreeNode& node, uint32_t octant);
+
+/// Of those that have part in a node, the ones that have part in one of its octants. `bounds`: of the
+/// source's primitives.
+std::vector<uint32_t> those_in_octant(const Octree& octree, const OctreeNode& octant,
+                                      const PrimitiveSource& source, std::span<const Box> bounds,
+                                      std::span<const uint32_t> primitives);
+
 /// Appends an octree over the primitives of `source`, of which `pointers` has the names, to `arrays`; returns
-/// its index. options.octree_depth is at most kMostOctreeDepth. Throws Stopped.
+/// its index. One that is built while tracing is a single cell. options.octree_depth is at most
+/// kMostOctreeDepth. Throws Stopped.
 uint32_t build_octree(const PrimitiveSource& source, std::span<const PrimitivePointer> pointers,
                       const BuildOptions& options, SceneArrays<GrowingArray>& arrays);
 

@@ -1,5 +1,5 @@
 #pragma once
-// What hierarchies of cells weigh as the thesis counts it (Tables 4.4 and 4.5): its nodes and pointers, not
+// What hierarchies of lists weigh as the thesis counts it (Tables 4.4 and 4.5): its nodes and pointers, not
 // this program's records.
 #include "common/scene/scene.h"
 
@@ -19,10 +19,21 @@ struct OctreeStorage {
   OctreeStorage& operator+=(const OctreeStorage& other);
 };
 
+/// Interior volumes of 24 bytes, leaves of 20, pointers of 4.
+struct OctantStorage {
+  uint64_t interior = 0, leaves = 0, pointers = 0;
+  uint64_t longest_list = 0;  ///< pointers of one leaf
+  uint64_t bytes() const { return 24 * interior + 20 * leaves + 4 * pointers; }
+  OctantStorage& operator+=(const OctantStorage& other);
+};
+
 GridStorage storage_of(const Scene& scene, const Grid& grid);
-OctreeStorage storage_of(const Scene& scene, const Octree& octree);
+/// Of the octree with this index; of one that is built while tracing what has been made so far.
+OctreeStorage storage_of(const Scene& scene, uint32_t octree);
+OctantStorage storage_of(const Scene& scene, const OctantTree& tree);
 /// Of all together.
 GridStorage storage_of_grids(const Scene& scene);
 OctreeStorage storage_of_octrees(const Scene& scene);
+OctantStorage storage_of_octants(const Scene& scene);
 
 }  // namespace rayfarm

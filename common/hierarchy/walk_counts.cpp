@@ -5,7 +5,7 @@
 
 #include <bit>
 
-#include "common/hierarchy/collections-inl.h"
+#include "common/hierarchy/items-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -40,6 +40,10 @@ class Counting : public Search {
   void count_chain_step() { ++counts_->chain_steps; }
   void count_saved_test() { ++counts_->saved_tests; }
   void count_element() { ++counts_->elements; }
+  void count(const OctantVolume& volume, bool is_missed) {
+    ++(volume.is_leaf() ? counts_->leaf_volumes : counts_->interior_volumes);
+    counts_->missed_volumes += is_missed;
+  }
   void count(const BoundingVolume& volume) { ++counts_->bounds[static_cast<size_t>(volume.kind)]; }
   void count(const BoundingNode& node) {
     if (node.is_group()) ++counts_->groups;
@@ -98,7 +102,8 @@ class Counting : public Search {
     for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
       const PrimitiveId id = scene_->leaf_primitives[i];
       if (id.kind() == PrimitiveKind::collection) {
-        if (search_collection(*scene_, scene_->collections[id.index()], ray, instance, *this)) return true;
+        if (search_inner_collection(*scene_, scene_->collections[id.index()], ray, instance, *this))
+          return true;
         continue;
       }
       ++(id.kind() == PrimitiveKind::polygon ? counts_->polygons : counts_->quadrics);
@@ -119,7 +124,8 @@ WalkCounts& WalkCounts::operator+=(const WalkCounts& other) {
   for (const auto count :
        {&WalkCounts::nodes, &WalkCounts::boxes, &WalkCounts::cells, &WalkCounts::empty_cells,
         &WalkCounts::tree_nodes, &WalkCounts::chain_steps, &WalkCounts::saved_tests, &WalkCounts::leaves,
-        &WalkCounts::curved_leaves, &WalkCounts::elements, &WalkCounts::groups, &WalkCounts::objects,
+        &WalkCounts::curved_leaves, &WalkCounts::elements, &WalkCounts::interior_volumes,
+        &WalkCounts::leaf_volumes, &WalkCounts::missed_volumes, &WalkCounts::groups, &WalkCounts::objects,
         &WalkCounts::triangles, &WalkCounts::spheres, &WalkCounts::polygons, &WalkCounts::quadrics})
     this->*count += other.*count;
   for (size_t i = 0; i < bounds.size(); ++i) bounds[i] += other.bounds[i];
@@ -136,6 +142,18 @@ Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, Wa
   hit.t = ray.t_max;
   Counting<ClosestHit> search(counts, scene, hit);
   search_for_one(scene, pose, PreparedRay(ray), search);
+  search.finish();
+  return hit;
+}
+
+Hit closest_hit_among_counted(const Scene& scene, const Pose& pose, std::span<const Item> items,
+                              const Ray& ray, WalkCounts& counts) {
+  using namespace HWY_NAMESPACE;
+  Hit hit;
+  hit.t = ray.t_max;
+  Counting<ClosestHit> search(counts, scene, hit);
+  const PreparedRay world(ray);
+  for (const Item& item : items) search_item(scene, pose, item, world, search);
   search.finish();
   return hit;
 }

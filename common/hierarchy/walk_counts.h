@@ -6,6 +6,7 @@
 
 #include "common/hierarchy/frame_state.h"
 #include "common/hierarchy/hit.h"
+#include "common/hierarchy/items.h"
 
 namespace rayfarm {
 
@@ -22,20 +23,27 @@ struct WalkCounts {
   /// Cells that list 2^i to 2^(i + 1) - 1 primitives, and the primitives in their lists.
   std::array<uint64_t, 32> visits_by_fill{}, tests_by_fill{};
   std::array<uint64_t, kVolumeKinds> bounds{};  ///< bounding volumes tested, in the order of VolumeKind
-  uint64_t elements = 0;                        ///< objects and groups that were looked at, met or missed
-  uint64_t groups = 0;                          ///< of objects: what is in them was tested
-  uint64_t objects = 0;                         ///< whose primitives were tested
+  // Of octant trees: volumes whose spheres were tested (N_V of the thesis's Table 4.7), and those among them
+  // that the ray misses, or reaches behind what it has hit.
+  uint64_t interior_volumes = 0, leaf_volumes = 0, missed_volumes = 0;
+  uint64_t elements = 0;  ///< objects and groups that were looked at, met or missed
+  uint64_t groups = 0;    ///< of objects: what is in them was tested
+  uint64_t objects = 0;   ///< whose primitives were tested
   // Primitives that were tested, or stand in leaves that were visited; a polygon is one, whatever it was cut
   // into.
   uint64_t triangles = 0, spheres = 0, polygons = 0, quadrics = 0;
 
   uint64_t bounding_volumes() const { return bounds[0] + bounds[1] + bounds[2] + bounds[3]; }
+  uint64_t volumes() const { return interior_volumes + leaf_volumes; }
   uint64_t primitives() const { return triangles + spheres + polygons + quadrics; }
   WalkCounts& operator+=(const WalkCounts& other);
 };
 
 /// As closest_hit. `counts` grows.
 Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts);
+/// As closest_hit_among. `counts` grows.
+Hit closest_hit_among_counted(const Scene& scene, const Pose& pose, std::span<const Item> items,
+                              const Ray& ray, WalkCounts& counts);
 /// As any_hit. `counts` grows.
 bool any_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts);
 

@@ -27,11 +27,15 @@ struct SamplingTables {
 /// Of diffuse rays, as wide as a few dozen of them are apart.
 constexpr double kDiffuseSpread = 0.1;
 
+class LightItems;
+
 struct FrameContext {
   const Scene& scene;
   const Pose& pose;
   const SamplingTables& tables;
   double spread = 0;  ///< of eye rays: how much wider a pixel's cone gets with each unit of length
+  const Hit* eye_hits = nullptr;  ///< of the packet of eye rays, where an item buffer has found them
+  const LightItems* light_items = nullptr;
 };
 
 }  // namespace rayfarm

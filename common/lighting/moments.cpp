@@ -16,8 +16,12 @@ bool moves(const Scene& scene) {
 
 }  // namespace
 
+bool is_blurred(const Scene& scene, const RenderSettings& settings) {
+  return settings.shutter > 0 && moves(scene);
+}
+
 std::span<const Moment> Moments::at(int frame, const RenderSettings& settings) {
-  const size_t count = settings.shutter > 0 && moves(scene_) ? kMoments : 1;
+  const size_t count = is_blurred(scene_, settings) ? kMoments : 1;
   while (states_.size() < count) states_.emplace_back(scene_);
   moments_.clear();
   for (size_t i = 0; i < count; ++i) {

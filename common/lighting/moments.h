@@ -13,6 +13,9 @@ struct Moment {
   Camera camera;
 };
 
+/// True if something moves while the shutter is open, so that a frame has several moments.
+bool is_blurred(const Scene& scene, const RenderSettings& settings);
+
 /// Which of `moments` a sample belongs to that stands at `place` of [0, samples): rounding may have made it
 /// `samples`.
 inline size_t moment_index(size_t moments, double place, uint32_t samples) {

@@ -61,6 +61,8 @@ class Renderer::Rendering {
         tables_(*renderer.tables_),
         moments_(renderer.now_),
         small_objects_(renderer.small_objects_),
+        eye_items_(renderer.eye_items_ ? &*renderer.eye_items_ : nullptr),
+        light_items_(renderer.light_items_ ? &*renderer.light_items_ : nullptr),
         rect_(rect),
         pulse_(pulse),
         film_(rect, make_pixel_layout(settings_.pixel_format)) {}
@@ -91,14 +93,18 @@ class Renderer::Rendering {
       for (int x = rect.x0; x < rect.x1; ++x) visit(Pixel{x, y});
   }
 
-  /// Traces eye rays in all passes of the colour model.
-  void trace(const Moment& moment, const RayPacket& rays, std::span<const SampleId> ids,
-             RenderedPixels& counted, Color* colors) {
+  /// Traces eye rays, which go through `at`, in all passes of the colour model.
+  void trace(const Moment& moment, const RayPacket& rays, const RasterPoints& at,
+             std::span<const SampleId> ids, RenderedPixels& counted, Color* colors) {
+    OfPacket<Hit> eye_hits;
+    if (eye_items_) [[unlikely]]
+      eye_items_->find(moment.pose, rays, at, eye_hits.data(), counted.counts);
     for (const ColouredScene& pass : passes_) {
       const bool is_first = &pass == &passes_.front();
       std::array<Color, kMostPacketRays> more;
       Color* const channels = is_first ? colors : more.data();
-      counted.eye_hits += integrator_.trace({pass.scene(), moment.pose, tables_, moment.camera.spread()},
+      counted.eye_hits += integrator_.trace({pass.scene(), moment.pose, tables_, moment.camera.spread(),
+                                             eye_items_ ? eye_hits.data() : nullptr, light_items_},
                                             rays, ids, counted.counts, channels);
       if (pass.pass().is_rgb) break;
       for (size_t i = 0; i < rays.size; ++i) {
@@ -155,7 +161,7 @@ class Renderer::Rendering {
       *weights++ = place.weight;
     }
     aim(moment.camera, ids.span(), at, rays);
-    trace(moment, rays, ids.span(), counted, colors);
+    trace(moment, rays, at, ids.span(), counted, colors);
   }
 
   /// Adds the samples from `first` on.
@@ -198,7 +204,7 @@ class Renderer::Rendering {
         at.y[rays.size++] = static_cast<double>(y) / b;
         if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
         aim(moments_.front().camera, ids.span(), at, rays);
-        trace(moments_.front(), rays, ids.span(), owns(x) ? result_ : counted_elsewhere_,
+        trace(moments_.front(), rays, at, ids.span(), owns(x) ? result_ : counted_elsewhere_,
               &row[i + 1 - rays.size]);
         rays.clear();
         ids.clear();
@@ -295,7 +301,10 @@ class Renderer::Rendering {
       const SampleId id{p.x, p.y, 0};
       const Ray ray = moments_.front().camera.ray(next->center.x, next->center.y);
       Color color(0);
-      trace(moments_.front(), RayPacket(std::span(&ray, 1)), std::span(&id, 1), result_, &color);
+      RasterPoints at;
+      at.x[0] = next->center.x;
+      at.y[0] = next->center.y;
+      trace(moments_.front(), RayPacket(std::span(&ray, 1)), at, std::span(&id, 1), result_, &color);
       if (differ(color, firsts[p])) differs[p] = 1;
     }
     return differs;
@@ -308,6 +317,8 @@ class Renderer::Rendering {
   const SamplingTables& tables_;
   std::span<const Moment> moments_;
   std::span<const SmallObject> small_objects_;
+  EyeItems* eye_items_;            ///< null: none
+  const LightItems* light_items_;  ///< null: none
   PixelRect rect_;
   const std::function<void()>& pulse_;
   Film film_;
@@ -343,6 +354,13 @@ void Renderer::set_frame(int frame) {
   if (settings_.adaptive_contrast > 0)
     small_objects_ =
         find_small_objects(passes_.front().scene(), now_.front().pose, now_.front().camera, settings_.crop);
+  const Scene& shining = passes_.front().scene();
+  eye_items_.reset();
+  light_items_.reset();
+  if (settings_.item_buffer != ItemBuffer::none && has_one_eye(scene_, settings_))
+    eye_items_.emplace(scene_, now_.front().pose, now_.front().camera, settings_);
+  if (settings_.light_cells > 0 && settings_.lighting != LightingModel::path && now_.size() == 1)
+    light_items_.emplace(shining, now_.front().pose, settings_.light_cells);
   frame_ = frame;
 }
 

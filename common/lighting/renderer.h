@@ -6,6 +6,7 @@
 
 #include "common/lighting/coloured_scene.h"
 #include "common/lighting/integrators/integrator.h"
+#include "common/lighting/item_buffers.h"
 #include "common/lighting/moments.h"
 #include "common/lighting/small_objects.h"
 #include "common/sampling/pixel_filter.h"
@@ -51,6 +52,8 @@ class Renderer {
   std::optional<SamplingTables> tables_;
   std::span<const Moment> now_;
   std::vector<SmallObject> small_objects_;
+  std::optional<EyeItems> eye_items_;
+  std::optional<LightItems> light_items_;
 };
 
 }  // namespace rayfarm

@@ -89,12 +89,13 @@ void shift(LuminaireTriangle& triangle, const ArrayOffsets&) {
 }
 
 void shift(Collection& collection, const ArrayOffsets& o) {
-  auto& [bounds, structure, grid, octree, has_mailbox, tree, padding, root, first_triangle_block,
+  auto& [bounds, structure, grid, octree, has_mailbox, tree, octants, root, first_triangle_block,
          triangle_block_count, first_sphere_block, sphere_block_count, first_leaf_primitive,
          leaf_primitive_count] = collection;
   shift(grid, o.grids);
   shift(octree, o.octrees);
   shift(tree, o.bounding_trees);
+  shift(octants, o.octant_trees);
   shift(root, o);
   first_triangle_block += o.triangle_blocks;
   first_sphere_block += o.sphere_blocks;
@@ -119,8 +120,8 @@ void shift(BoundingNode& node, const ArrayOffsets& o) {
 }
 
 void shift(Octree& octree, const ArrayOffsets& o) {
-  auto& [low, unit, size, next, first_node, node_count, first_cell, cell_count, first_place, place_count] =
-      octree;
+  auto& [low, unit, size, next, first_node, node_count, first_cell, cell_count, first_place, place_count,
+         max_primitives, build] = octree;
   first_node += o.octree_nodes;
   first_cell += o.octree_cells;
   first_place += o.octree_hash;
@@ -133,6 +134,16 @@ void shift(OctreeNode& node, const ArrayOffsets&) {
 void shift(OctreeCell& cell, const ArrayOffsets& o) {
   auto& [name, first_pointer, pointer_count, next, padding] = cell;
   first_pointer += o.primitive_pointers;
+}
+
+void shift(OctantTree& tree, const ArrayOffsets& o) {
+  auto& [magnitude, first_volume, volume_count] = tree;
+  first_volume += o.octant_volumes;
+}
+
+void shift(OctantVolume& volume, const ArrayOffsets& o) {
+  auto& [center, radius, octants, first, pointer_count, padding] = volume;
+  if (volume.is_leaf()) first += o.primitive_pointers;
 }
 
 void shift(PrimitivePointer& pointer, const ArrayOffsets& o) {

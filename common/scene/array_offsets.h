@@ -50,6 +50,8 @@ inline void shift(BoundingVolume&, const ArrayOffsets&) {}
 void shift(Octree& octree, const ArrayOffsets& offsets);
 void shift(OctreeNode& node, const ArrayOffsets& offsets);
 void shift(OctreeCell& cell, const ArrayOffsets& offsets);
+void shift(OctantTree& tree, const ArrayOffsets& offsets);
+void shift(OctantVolume& volume, const ArrayOffsets& offsets);
 void shift(PrimitivePointer& pointer, const ArrayOffsets& offsets);
 void shift(PrimitiveId& id, const ArrayOffsets& offsets);
 void shift(SphereRecord& sphere, const ArrayOffsets& offsets);

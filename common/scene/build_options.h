@@ -76,6 +76,36 @@ enum class BuildQuality : uint8_t {
 };
 inline constexpr std::array kBuildQualityWords{"fast", "balanced", "high"};
 
+/// What bounds a volume of Hierarchy::thesis, and so how rays look into those in it.
+enum class ThesisVolumes : uint8_t {
+  boxes,   ///< up to eight at a node, tested at once; the nearest first
+  spheres  ///< one about each volume (4.3.2), in the order in which a ray enters octants (Table 4.2)
+};
+inline constexpr std::array kThesisVolumesWords{"boxes", "spheres"};
+
+/// When a volume of Hierarchy::thesis is divided by clipping what lies across octants.
+enum class ThesisClip : uint8_t {
+  bounded,  ///< where that makes no more than 1.5 references of one. Boxes are divided by the centres of
+            ///< whole primitives elsewhere, spheres are not divided
+  always    ///< as the thesis has it
+};
+inline constexpr std::array kThesisClipWords{"bounded", "always"};
+
+/// About which point a volume of Hierarchy::thesis is divided.
+enum class ThesisCenter : uint8_t {
+  data,   ///< the mean of its primitives' centres
+  volume  ///< the middle of the box about its primitives
+};
+inline constexpr std::array kThesisCenterWords{"data", "volume"};
+
+/// Of Hierarchy::thesis.
+struct ThesisOptions {
+  ThesisVolumes volumes = ThesisVolumes::boxes;
+  ThesisClip clip = ThesisClip::bounded;
+  ThesisCenter center = ThesisCenter::data;
+  bool operator==(const ThesisOptions&) const = default;
+};
+
 /// How an octree finds what a cell holds.
 enum class OctreeData : uint8_t {
   hash,     ///< by the cell's name in a hash table (Glassner; thesis 2.6.2)
@@ -91,6 +121,14 @@ enum class OctreeNext : uint32_t {
 };
 inline constexpr std::array kOctreeNextWords{"root", "walk", "dda"};
 
+/// When an octree's cells are divided (Shirley, Sung and Brown, 2.3.2: "statically before ray tracing starts,
+/// or dynamically during ray tracing").
+enum class OctreeBuild : uint32_t {
+  before,
+  tracing  ///< when a ray first comes into them
+};
+inline constexpr std::array kOctreeBuildWords{"before", "tracing"};
+
 /// How far a build is, for those who watch it from another thread.
 struct BuildProgress {
   std::atomic<uint64_t> total = 0, done = 0;  ///< primitives
@@ -100,13 +138,16 @@ struct BuildOptions {
   Hierarchy hierarchy = Hierarchy::sah;
   uint32_t max_primitives = 8;  ///< a volume with at most this many is a leaf (the thesis used 4 to 30)
   BuildQuality quality = BuildQuality::balanced;  ///< of Hierarchy::sah
+  ThesisOptions thesis{};
   uint32_t cells =
       0;  ///< of Hierarchy::regular, along each axis; 0: so that there are four for each primitive
-  OctreeData octree_data = OctreeData::hash;  ///< these four of Hierarchy::adaptive
+  OctreeData octree_data = OctreeData::hash;  ///< these five of Hierarchy::adaptive
   OctreeNext octree_next = OctreeNext::root;
+  OctreeBuild octree_build = OctreeBuild::before;
   uint32_t octree_depth = 16;   ///< a cell may be as small as the whole halved so often
   uint32_t octree_hash = 1000;  ///< places of the hash table (the thesis's number)
-  bool has_mailbox = false;     ///< cells remember what a ray has been tested with (of those two)
+  bool has_mailbox = false;  ///< lists of cells, and of spheres of Hierarchy::thesis, remember what a ray has
+                             ///< been tested with
   ObjectOptions objects{};
   BuildProgress* progress = nullptr;
   std::stop_token stop{};  ///< a build that was asked to stop throws Stopped

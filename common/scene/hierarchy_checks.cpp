@@ -5,6 +5,7 @@
 
 #include "common/scene/bounding_checks.h"
 #include "common/scene/check_tools.h"
+#include "common/scene/octant_checks.h"
 
 namespace rayfarm {
 namespace {
@@ -111,6 +112,10 @@ void check_octree(const Scene& s, const Octree& octree) {
   check_range(s.octree_nodes.size(), octree.first_node, octree.node_count, "an octree's nodes");
   check_range(s.octree_cells.size(), octree.first_cell, octree.cell_count, "an octree's cells");
   check_range(s.octree_hash.size(), octree.first_place, octree.place_count, "an octree's hash table");
+  require(octree.max_primitives > 0, "an octree's cut");
+  require(octree.build == OctreeBuild::before ||
+              (octree.build == OctreeBuild::tracing && octree.node_count == 1 && octree.cell_count == 1),
+          "an octree that is built while tracing");
   const auto nodes = s.octree_nodes.subspan(octree.first_node, octree.node_count);
   require(!nodes.empty() && nodes[0].size == octree.size && nodes[0].sibling == kNone, "an octree's root");
   for (const uint32_t center : nodes[0].center) require(center == octree.size / 2, "an octree's root");
@@ -162,7 +167,10 @@ void check_pointers(const Scene& s) {
 }
 
 void check_collection(const Scene& s, const Collection& c, TreeChecks& volumes) {
-  require(c.structure <= Structure::object, "a collection's structure");
+  require(c.structure <= Structure::octants, "a collection's structure");
+  require((c.structure == Structure::octants) == (c.octants != kNone) &&
+              (c.octants == kNone || c.octants < s.octant_trees.size()),
+          "a collection's octants");
   require((c.structure == Structure::object) == (c.tree != kNone) &&
               (c.tree == kNone || c.tree < s.bounding_trees.size()),
           "a collection's tree");
@@ -184,18 +192,20 @@ void check_collections(const Scene& s, TreeChecks& volumes) {
   for (const Collection& c : s.collections) check_collection(s, c, volumes);
   for (const Grid& grid : s.grids) check_grid(s, grid);
   for (const Octree& octree : s.octrees) check_octree(s, octree);
+  check_octant_trees(s);
   check_pointers(s);
 }
 
-/// Collections in collections: a ray's way through them ends, and soon. Trees, grids and octrees are known to
-/// be whole.
+/// Collections in collections: a ray's way through them ends, and soon. Trees, grids, octrees and
+/// octants are known to be whole.
 class NestingChecks {
  public:
   explicit NestingChecks(const Scene& s)
       : s_(s),
         inside_(s.collections.size()),
         is_grid_owned_(s.grids.size()),
-        is_octree_owned_(s.octrees.size()) {}
+        is_octree_owned_(s.octrees.size()),
+        is_octant_tree_owned_(s.octant_trees.size()) {}
 
   /// What is in collection `index` stands before it, so it is checked already; kNone: a part's own.
   void check(const Collection& c, uint32_t index) {
@@ -223,6 +233,13 @@ class NestingChecks {
       const Octree& octree = s_.octrees[c.octree];
       for (const OctreeCell& cell : s_.octree_cells.subspan(octree.first_cell, octree.cell_count))
         check_list(c, cell.first_pointer, cell.pointer_count);
+    }
+    if (c.octants != kNone) {
+      require(!is_octant_tree_owned_[c.octants], "a collection's octants");
+      is_octant_tree_owned_[c.octants] = true;
+      const OctantTree& tree = s_.octant_trees[c.octants];
+      for (const OctantVolume& volume : s_.octant_volumes.subspan(tree.first_volume, tree.volume_count))
+        if (volume.is_leaf()) check_list(c, volume.first, volume.pointer_count);
     }
   }
 
@@ -257,7 +274,7 @@ class NestingChecks {
 
   const Scene& s_;
   std::vector<Inside> inside_;  ///< by collection
-  std::vector<bool> is_grid_owned_, is_octree_owned_;
+  std::vector<bool> is_grid_owned_, is_octree_owned_, is_octant_tree_owned_;
 };
 
 }  // namespace

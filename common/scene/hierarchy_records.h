@@ -16,7 +16,8 @@ enum class Structure : uint32_t {
   list,      ///< one by one, all of them: for few primitives, and as the judge of the others
   regular,   ///< in equal cells (thesis 2.6.2)
   adaptive,  ///< in an octree's cells (thesis 2.6.2; Glassner 1984)
-  object     ///< in bounding volumes about objects (thesis 2.6.1)
+  object,    ///< in bounding volumes about objects (thesis 2.6.1)
+  octants    ///< in spheres about the data of octants (thesis 4.2, to the letter)
 };
 
 /// What a child slot of a volume node leads to. `meta` = kind << 29 | count.
@@ -106,6 +107,10 @@ struct Octree {
   uint32_t first_node = 0, node_count = 0;    ///< in octree_nodes; the first is the root
   uint32_t first_cell = 0, cell_count = 0;    ///< in octree_cells
   uint32_t first_place = 0, place_count = 0;  ///< of the hash table, in octree_hash; none: by pointers
+  uint32_t max_primitives = 1;                ///< a cell that holds more is divided
+  /// While tracing: the octree is one cell here, and what is made of it belongs to the process
+  /// (TracingState).
+  OctreeBuild build = OctreeBuild::before;
   Box box() const { return {low, low + Vec3(unit * size)}; }
 };
 
@@ -126,6 +131,27 @@ struct OctreeCell {
   uint32_t pointer_count = 0;
   uint32_t next = kNone;  ///< the next cell at its place in the hash table
   uint32_t padding = 0;
+};
+
+/// A volume of the thesis's (4.2.1.2, Table 4.4): an interior one, which is divided into octants about its
+/// centre, or a leaf with a list of the primitives that have a part in it. All of them lie in the sphere.
+struct OctantVolume {
+  Vec3 center{0};  ///< of the sphere, and "the origin of the local coordinate system": the thesis's 24 bytes
+                   ///< hold one point
+  double radius = 0;     ///< with a margin
+  uint32_t octants = 0;  ///< of an interior one bit i: octant i of Table 4.1 holds data; 0: a leaf
+  /// Of an interior one the first of its octants in its tree's volumes, which stand side by side in ascending
+  /// order; of a leaf the first of its list in primitive_pointers.
+  uint32_t first = 0;
+  uint32_t pointer_count = 0;  ///< of a leaf
+  uint32_t padding = 0;
+  bool is_leaf() const { return octants == 0; }
+};
+
+/// A tree of such volumes.
+struct OctantTree {
+  double magnitude = 0;                         ///< the largest of a coordinate in it
+  uint32_t first_volume = 0, volume_count = 0;  ///< in octant_volumes; the first is the root
 };
 
 /// A shape about all that is in an object or group, larger by its tree's margin.

@@ -1,6 +1,8 @@
 #pragma once
 // What the user asks of a render, beside the scene: today's "rendering code", which load code carries to
 // every node.
+#include <array>
+
 #include "common/image/pixel_format.h"
 #include "common/image/pixel_rect.h"
 #include "common/materials/spectrum.h"
@@ -39,6 +41,22 @@ enum class GlassShadows : uint8_t {
   transparent,  ///< they let them go straight on, weakened (thesis 2.2.4: nonrefractive transparent objects)
   none          ///< they cast no shadow (thesis 3.5.1: many researchers omit it)
 };
+
+/// What becomes of the item that a z-buffer found nearest at a corner of a pixel (Weghorst, Hooper and
+/// Greenberg 1984, section 4).
+enum class ItemBuffer : uint8_t {
+  none,     ///< there is no such buffer
+  bound,    ///< where an eye ray hits it, nothing behind is searched: pictures stay as they are
+  trusted,  ///< nothing else is tested (theirs)
+  checked   ///< the same; and an ordinary search tells how often it would have found something else
+};
+inline constexpr std::array kItemBufferWords{"none", "bound", "trusted", "checked"};
+/// The most corners of an item buffer, and points of all lights' maps of items: of 12 bytes each.
+inline constexpr int64_t kMostItemPoints = 1 << 26;
+/// Of corners that tell of a sample: at the least so that each sample has one.
+inline constexpr double kLeastItemRadius_px = 0.75, kMostItemRadius_px = 8;
+/// Along a side of a light's map of items.
+inline constexpr uint32_t kLeastLightCells = 2, kMostLightCells = 3344;
 
 /// What weighs ambient light (thesis 2.2.2).
 enum class AmbientColour : uint8_t { surface, light };
@@ -83,6 +101,9 @@ struct RenderSettings {
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   DiffuseBands diffuse_bands = DiffuseBands::flux;
   DiffuseSet diffuse_set = DiffuseSet::turned;
+  ItemBuffer item_buffer = ItemBuffer::none;
+  double item_radius_px = 1;  ///< corners so near to a sample tell of it; one that is a corner needs no other
+  uint32_t light_cells = 0;   ///< along a side of each light's map of items; 0: they have none
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;
 
@@ -96,6 +117,7 @@ struct RenderSettings {
     archive(max_reflections, max_transmissions, max_depth, min_weight);
     archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
     archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);
+    archive(item_buffer, item_radius_px, light_cells);
     diffuse_jitter = jitter != 0;
     // A count off the wire asks for no more memory than is allowed; one too large is refused by the checks.
     auto nodes = static_cast<uint32_t>(colour_nodes_nm.size());

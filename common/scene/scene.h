@@ -3,6 +3,7 @@
 // every node of a machine. Indices, never pointers. A Scene is a view: it owns nothing and is cheap to copy.
 #include <array>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -68,8 +69,8 @@ struct Collection {
   uint32_t octree = kNone;   ///< of an adaptive one
   uint32_t has_mailbox = 0;  ///< 1: what rays were tested with in a cell is not tested in others
   uint32_t tree = kNone;     ///< of bounding volumes, of one by objects
-  uint32_t padding = 0;
-  ChildRef root;  ///< of volumes; those of a list are one node at most
+  uint32_t octants = kNone;  ///< the octant tree of one in octants
+  ChildRef root;             ///< of volumes; those of a list are one node at most
   // Its own primitives; those of a collection in it are not among them.
   uint32_t first_triangle_block = 0, triangle_block_count = 0;
   uint32_t first_sphere_block = 0, sphere_block_count = 0;
@@ -140,10 +141,13 @@ template <typename T>
 using GrowingArray = LargeVector<T>;
 
 struct RayLog;
+struct TracingState;
 
 /// A view of the block.
 struct Scene : SceneArrays<ArrayView> {
   RayLog* ray_log = nullptr;  ///< where rays are written down as they are traced; seldom anywhere
+  /// What this process makes of the scene as rays are traced, the same for all copies; null where nothing is.
+  std::shared_ptr<TracingState> tracing;
 
   const SceneHeader& head() const { return header.front(); }
   std::span<const Vec3> points_of(const Polygon& p) const {

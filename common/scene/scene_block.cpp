@@ -11,6 +11,7 @@
 
 #include "common/scene/animation.h"
 #include "common/scene/scene_checks.h"
+#include "common/scene/tracing_state.h"
 
 namespace rayfarm {
 namespace {
@@ -162,6 +163,7 @@ Scene decode_scene(std::span<const std::byte> bytes) {
     array = {reinterpret_cast<const T*>(bytes.data() + entry.offset), entry.count};
   });
   check_scene(scene);
+  scene.tracing = make_tracing_state(scene);
   return scene;
 }
 

@@ -18,7 +18,7 @@ void check_settings(const RenderSettings& settings) {
       settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral ||
       settings.glass_shadows > GlassShadows::none || settings.ambient_colour > AmbientColour::light ||
       settings.pixel_format > PixelFormat::float32 || settings.diffuse_bands > DiffuseBands::cone ||
-      settings.diffuse_set > DiffuseSet::fixed)
+      settings.diffuse_set > DiffuseSet::fixed || settings.item_buffer > ItemBuffer::checked)
     throw SettingsError("a choice among the settings does not exist");
   if (!settings.colour_nodes_nm.empty() &&
       (settings.colour != ColourModel::spectral || !are_colour_nodes(settings.colour_nodes_nm)))
@@ -37,6 +37,18 @@ void check_settings(const RenderSettings& settings) {
       !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
       !(settings.diffuse_contrast >= 0))
     throw SettingsError("a number among the settings is out of range");
+  if (!(settings.item_radius_px >= kLeastItemRadius_px && settings.item_radius_px <= kMostItemRadius_px) ||
+      (settings.light_cells != 0 &&
+       (settings.light_cells < kLeastLightCells || settings.light_cells > kMostLightCells)))
+    throw SettingsError(fmt::format(
+        "corners tell of samples {:g} to {:g} pixels away (--item-radius), and a light's map of items has "
+        "{} to {} points along a side (--light-buffer)",
+        kLeastItemRadius_px, kMostItemRadius_px, kLeastLightCells, kMostLightCells));
+  if (settings.item_buffer != ItemBuffer::none && crop.area() > kMostItemPoints)
+    throw SettingsError(fmt::format(
+        "an item buffer keeps 12 bytes for each corner of a pixel: it serves {} pixels at most, and "
+        "these are {}; leave out --item-buffer, or render parts (--crop)",
+        kMostItemPoints, crop.area()));
   if (const uint64_t directions = diffuse_directions_of(settings); directions > kMostDiffuseDirections)
     throw SettingsError(fmt::format(
         "the diffuse rays of all samples of a pixel are laid out at once: {} × {} are {}, more than "

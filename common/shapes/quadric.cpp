@@ -235,4 +235,20 @@ std::optional<Box> quadric_bounds(const Quadric& quadric, std::span<const Vec4> 
   return Box{box.lo + quadric.origin - Vec3(slack), box.hi + quadric.origin + Vec3(slack)};
 }
 
+bool passes_by(const Quadric& quadric, const Box& box, double error) {
+  // The equation about the box's centre, each term as large as it gets.
+  constexpr double kRounding = 1e-14;
+  const Vec3 center = box.center(), h = 0.5 * box.extent(), x = center - quadric.origin;
+  const Vec3 gradient = glm::abs(quadric.gradient(center));
+  const auto& a = quadric.a;
+  const Vec3 turn(std::abs(a[0]) * h.x + std::abs(a[3]) * h.y + std::abs(a[4]) * h.z,
+                  std::abs(a[3]) * h.x + std::abs(a[1]) * h.y + std::abs(a[5]) * h.z,
+                  std::abs(a[4]) * h.x + std::abs(a[5]) * h.y + std::abs(a[2]) * h.z);
+  const Vec3 steepest = gradient + turn;
+  const double change = 2 * glm::dot(gradient, h) + glm::dot(turn, h) +
+                        2 * error * (steepest.x + steepest.y + steepest.z) +
+                        kRounding * (quadric.square_bound * glm::dot(x, x) + quadric.rest_bound);
+  return std::abs(quadric.value(center)) > change;
+}
+
 }  // namespace rayfarm

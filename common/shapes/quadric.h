@@ -46,6 +46,9 @@ Quadric make_cone(const Vec3& base, double base_radius, const Vec3& apex, double
 std::optional<double> intersect(const Quadric& quadric, std::span<const Vec4> planes, const Vec3& origin,
                                 const Vec3& direction, double t_max);
 
+/// True if no ray hits the surface in the box, wherever hits lie within `error` of it. False may be wrong.
+bool passes_by(const Quadric& quadric, const Box& box, double error);
+
 /// The box of the cut surface. Empty optional: the planes do not bound it. An empty box: nothing is left of
 /// it.
 std::optional<Box> quadric_bounds(const Quadric& quadric, std::span<const Vec4> planes);

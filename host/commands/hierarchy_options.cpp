@@ -27,6 +27,19 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
       "of sah: fast leaves primitives whole; balanced divides large ones among volumes where that pays, up "
       "to 1.3 "
       "references a primitive on average, high up to 2 (default: balanced)");
+  options.choice<ThesisVolumes>("--thesis-volumes", build.thesis.volumes,
+                                choices<ThesisVolumes>(kThesisVolumesWords),
+                                "of thesis: boxes, tested eight at once; or one sphere about each volume, "
+                                "and octants in the order in which a "
+                                "ray enters them (default: boxes)");
+  options.choice<ThesisClip>("--thesis-clip", build.thesis.clip, choices<ThesisClip>(kThesisClipWords),
+                             "of thesis: what lies across octants is clipped where that makes no more than "
+                             "1.5 references of one, or "
+                             "always (default: bounded)");
+  options.choice<ThesisCenter>(
+      "--thesis-center", build.thesis.center, choices<ThesisCenter>(kThesisCenterWords),
+      "of thesis: a volume is divided about the mean of its primitives' centres, or the "
+      "middle of the box about them (default: data)");
   options.number("--cells", build.cells, 0, kMostCells,
                  "of regular: along each axis; 0: four cells for each primitive (default: 0)");
   options.number("--octree-depth", build.octree_depth, 1, kMostOctreeDepth,
@@ -41,9 +54,13 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
       "of adaptive: a ray's next cell is looked for from the root, from the parent upward, or by steps "
       "across "
       "faces (default: root)");
-  options.flag("--mailbox", build.has_mailbox,
-               "of regular and adaptive: a primitive that a ray was tested with in a cell is not tested with "
-               "it in others");
+  options.choice<OctreeBuild>("--octree-build", build.octree_build, choices<OctreeBuild>(kOctreeBuildWords),
+                              "of adaptive: cells are divided before rays are traced, or when a ray first "
+                              "comes into them (default: before)");
+  options.flag(
+      "--mailbox", build.has_mailbox,
+      "of regular, adaptive and the spheres of thesis: a primitive that a ray was tested with in a cell or "
+      "volume is not tested with it in others");
   ObjectOptions& objects = build.objects;
   options.choice<BoundChoice>(
       "--bounds", objects.bounds, choices<BoundChoice>(kBoundWords),

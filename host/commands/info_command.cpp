@@ -66,6 +66,19 @@ void print_cells(const Scene& scene) {
   if (!scene.octrees.empty())
     fmt::print("  nodes of `adaptive` {}, pointers {}: {} bytes by the thesis's Table 4.5\n", octrees.nodes,
                octrees.pointers, octrees.bytes());
+  const auto growing = std::count_if(scene.octrees.begin(), scene.octrees.end(), [](const Octree& octree) {
+    return octree.build == OctreeBuild::tracing;
+  });
+  if (growing > 0)
+    fmt::print("  {} of these octrees {} built while rays are traced, and counted here as before the first\n",
+               growing, growing == 1 ? "is" : "are");
+  const OctantStorage octants = storage_of_octants(scene);
+  if (!scene.octant_trees.empty())
+    fmt::print(
+        "  spheres of `thesis` {} about interior volumes, {} about leaves, pointers {}, at most {} in a "
+        "leaf: {} bytes "
+        "by the thesis's Table 4.5\n",
+        octants.interior, octants.leaves, octants.pointers, octants.longest_list, octants.bytes());
 }
 
 int print_info(const std::string& path, const BuildOptions& build) {

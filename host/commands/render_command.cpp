@@ -166,6 +166,25 @@ void add_sampling(Options& options, RenderOptions& o) {
   options.number("--seed", o.settings.seed, "of the random numbers (default: 0)");
 }
 
+void add_items(Options& options, RenderOptions& o) {
+  RenderSettings& s = o.settings;
+  options.choice<ItemBuffer>(
+      "--item-buffer", s.item_buffer,
+      {{"bound", ItemBuffer::bound},
+       {"checked", ItemBuffer::checked},
+       {"none", ItemBuffer::none},
+       {"trusted", ItemBuffer::trusted}},
+      "a z-buffer tells which item an eye ray is tested with first, and its hit bounds the "
+      "search (bound: the same picture), or ends it (trusted; checked: counts the eye rays "
+      "that would have hit something else) (default: none)");
+  options.number("--item-radius", s.item_radius_px, kLeastItemRadius_px, kMostItemRadius_px,
+                 "with --item-buffer: pixel corners so near to a sample tell of it (default: 1)");
+  options.number(
+      "--light-buffer", s.light_cells, 0, kMostLightCells,
+      "points along a side of each light's map of the items that it sees: a shadow ray is tested with "
+      "that item first; the same picture (default: 0, none; 128 will do)");
+}
+
 void add_net(Options& options, RenderOptions& o) {
   options.begin_group("Nodes and net");
   options.choice<AssignmentPolicy>(
@@ -321,6 +340,7 @@ void add_render_command(CommandLine& line) {
   add_sampling(options, *o);
   options.begin_group("Hierarchy");
   add_hierarchy_options(options, o->build);
+  add_items(options, *o);
   add_net(options, *o);
   add_messages(options, *o);
 }

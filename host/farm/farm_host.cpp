@@ -210,7 +210,7 @@ void FarmHost::keep_result(NodeId node, const SubpolygonReport& report, std::spa
   if (pixels.size() != width * height * pixel_bytes)
     throw ProtocolError("a block of another size than its subpolygon");
 
-  const RayCounts rays{report.rays};
+  const RayCounts rays{report.rays, report.ray_tallies};
   NodeResult& node_result = result_.node(node);
   ++node_result.subpolygons;
   node_result.rays += rays.total();

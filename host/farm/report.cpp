@@ -13,6 +13,23 @@ double bytes_per_received_pixel(const JobResult& result, const TrafficMeter& met
                                            static_cast<double>(result.pixels_received);
 }
 
+namespace {
+
+/// What item buffers did; empty without.
+std::string format_items(const RayCounts& rays) {
+  if (rays[RayTally::eye_items] + rays[RayTally::shadow_items] + rays[RayTally::differing] == 0) return {};
+  std::string text = fmt::format(
+      "items    {} eye rays hit the item of their corner; {} shadow rays that of their "
+      "light\n",
+      rays[RayTally::eye_items], rays[RayTally::shadow_items]);
+  if (rays[RayTally::differing] > 0)
+    text += fmt::format("         {} of {} eye rays would hit something else in an ordinary search\n",
+                        rays[RayTally::differing], rays[RayKind::primary]);
+  return text;
+}
+
+}  // namespace
+
 std::string format_report(const JobResult& result, const TrafficMeter& meter) {
   std::string text;
   auto out = std::back_inserter(text);
@@ -39,7 +56,7 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
                    format_count(static_cast<double>(result.rays.by_kind[i])));
     separator = ", ";
   }
-  fmt::format_to(out, "\nspeed    {} on {} node{}\n",
+  fmt::format_to(out, "\n{}speed    {} on {} node{}\n", format_items(result.rays),
                  format_rate(t.trace_s > 0 ? rays / t.trace_s : 0, "rays/s"), result.nodes.size(),
                  result.nodes.size() == 1 ? "" : "s");
   fmt::format_to(out, "net      {:.2f} bytes per pixel in results; the thesis's model: {:.0f}\n",
@@ -83,7 +100,9 @@ std::string format_full_report(const JobResult& result, const TrafficMeter& mete
                  format_rate(t.trace_s > 0 ? static_cast<double>(rays) / t.trace_s : 0, "rays/s"));
   for (size_t i = 0; i < kRayKinds; ++i)
     if (result.rays.by_kind[i] > 0) fmt::format_to(out, "; {} {}", kRayKindNames[i], result.rays.by_kind[i]);
-  fmt::format_to(out, "\nnode   subpolygons          rays     busy     idle  machine\n");
+  fmt::format_to(out, "\ntrees  {:.3f} rays deep on average; {} rays cut by --min-weight\n{}",
+                 result.rays.average_depth(), result.rays[RayTally::cut], format_items(result.rays));
+  fmt::format_to(out, "node   subpolygons          rays     busy     idle  machine\n");
   for (const NodeResult& n : result.nodes)
     fmt::format_to(out, "{:>4}   {:>11}  {:>12}  {:>6.2f} s  {:>6.2f} s  {}{}\n", n.id.value(), n.subpolygons,
                    n.rays, n.busy_s, result.idle_s(n), n.machine, n.is_lost ? "  LOST" : "");

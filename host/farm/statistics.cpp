@@ -13,6 +13,16 @@ Json to_json(const RayCounts& rays) {
   return j;
 }
 
+/// Depths and what was cut; what item buffers found.
+Json tree_to_json(const RayCounts& rays) {
+  return Json::Object{{"average_depth", rays.average_depth()}, {"rays_cut", rays[RayTally::cut]}};
+}
+Json items_to_json(const RayCounts& rays) {
+  return Json::Object{{"eye_rays", rays[RayTally::eye_items]},
+                      {"shadow_rays", rays[RayTally::shadow_items]},
+                      {"differing_eye_rays", rays[RayTally::differing]}};
+}
+
 Json to_json(const std::vector<NodeId>& nodes) {
   Json::Array j;
   for (const NodeId node : nodes) j.emplace_back(node.value());
@@ -45,6 +55,8 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
   j["scene"] = Json::Object{{"bytes", result.scene_bytes}};
   j["nodes_lost"] = to_json(result.lost_nodes());
   j["rays"] = to_json(result.rays);
+  j["ray_trees"] = tree_to_json(result.rays);
+  j["item_buffers"] = items_to_json(result.rays);
   for (const Command command : kAllCommands) {
     const Traffic t = meter.total(command);
     j["traffic"][name_of(command)] = Json::Object{{"messages", t.messages}, {"bytes", t.bytes}};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/lighting/item_buffers.h"
 #include "common/scene/settings_codec.h"
 #include "host/instrument/missing_subpolygons.h"
 #include "host/process/exit_code.h"
@@ -38,6 +39,11 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
   }
   s.pixel_format = options.pixel_format.value_or(
       options.wire == Wire::pixel ? PixelFormat::rgb8 : natural_format(options.output));
+  try {
+    check_settings(s);  // once more: the picture's size is known
+  } catch (const SettingsError& e) {
+    throw JobError(kUsageError, e.what());
+  }
   return s;
 }
 
@@ -131,6 +137,15 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
     notes.emplace_back("--no-rotation belongs to --assign interleaved, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && options.sets != SetPattern::lattice)
     notes.emplace_back("--sets belongs to --assign interleaved, and does nothing here");
+  if (s.item_radius_px != usual.item_radius_px && s.item_buffer == ItemBuffer::none)
+    notes.emplace_back("--item-radius belongs to --item-buffer, and does nothing here");
+  if (s.item_buffer == ItemBuffer::trusted)
+    notes.emplace_back(
+        "--item-buffer trusted: the picture may differ from an ordinary one; --item-buffer checked counts "
+        "where");
+  if (s.light_cells > 0 && s.lighting == LightingModel::path)
+    notes.emplace_back(
+        "--light-buffer does nothing in --lighting path, whose shadow rays go to a source at random");
   if (options.local_nodes > 0 && !is_one_process)
     notes.emplace_back("--local-nodes does nothing under mpirun: every rank but the host is a node");
   return notes;
@@ -163,6 +178,38 @@ std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneD
   if (s.glass_shadows != GlassShadows::blocked && s.lighting != LightingModel::path &&
       !have([](const Material& m) { return m.transmit > 0; }))
     notes.emplace_back("--glass-shadows does nothing here: no material transmits light");
+  return notes;
+}
+
+std::vector<std::string> name_idle_items(const RenderSettings& s, const Scene& scene) {
+  std::vector<std::string> notes;
+  if (s.item_buffer != ItemBuffer::none && !has_one_eye(scene, s))
+    notes.emplace_back(
+        "--item-buffer does nothing here: through a lens, or while the shutter is open on what moves, eye "
+        "rays have "
+        "no common origin");
+  if (s.light_cells == 0 || s.lighting == LightingModel::path) return notes;
+  if (is_blurred(scene, s)) {
+    notes.emplace_back("--light-buffer does nothing here: things move while the shutter is open");
+    return notes;
+  }
+  const auto serves = [&](const Light& light) { return has_item_map(light); };
+  const auto with_place =
+      static_cast<size_t>(std::count_if(scene.lights.begin(), scene.lights.end(), serves));
+  if (with_place < scene.lights.size())
+    notes.push_back(fmt::format(
+        "--light-buffer: {} of {} light{} no one point to be seen from (luminous bodies and environments), "
+        "and "
+        "{} shadow rays are traced as always",
+        scene.lights.size() - with_place, scene.lights.size(), scene.lights.size() == 1 ? " has" : "s have",
+        scene.lights.size() - with_place == 1 ? "its" : "their"));
+  if (const size_t most = LightItems::most_lights(s.light_cells);
+      with_place > 0 && scene.lights.size() > most)
+    notes.push_back(
+        fmt::format("--light-buffer {}: there is room for the maps of {} lights of {}; the others' shadow "
+                    "rays are traced as "
+                    "always",
+                    s.light_cells, most, scene.lights.size()));
   return notes;
 }
 

@@ -30,6 +30,9 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
 /// Names those that could do something, but not in this scene.
 std::vector<std::string> name_idle_options(const RenderSettings& settings, const SceneDescription& scene);
 
+/// Why item buffers that were asked for do nothing, or not for all lights.
+std::vector<std::string> name_idle_items(const RenderSettings& settings, const Scene& scene);
+
 /// What the scene asks for in vain from the chosen lighting model.
 std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene);
 

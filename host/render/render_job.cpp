@@ -122,6 +122,7 @@ class Render {
     const RenderSettings settings = choose_settings(options_, loaded_->description);
     for (const std::string& note : name_idle_options(settings, loaded_->description)) log_->warn(note);
     for (const std::string& note : name_idle_shading(settings, loaded_->compiled.scene)) log_->warn(note);
+    for (const std::string& note : name_idle_items(settings, loaded_->compiled.scene)) log_->warn(note);
     for (const std::string& note : name_idle_spectra(settings, loaded_->compiled.scene)) log_->warn(note);
     FarmHostOptions farm_options;
     farm_options.attributes = make_attributes(settings, loaded_->compiled.block.bytes());

@@ -28,9 +28,10 @@ constexpr time_t kMostSecondsForOneInput = 10;
 /// What is being read, for the report if the process dies of it.
 const Target* current_target = nullptr;
 const std::string* current_input = nullptr;
+uint64_t current_seed = 0;
 
 std::string keep_finding() {
-  const std::string file = "fuzz-finding-" + current_target->name;
+  const std::string file = fmt::format("fuzz-finding-{}-{}", current_target->name, current_seed);
   std::ofstream(file, std::ios::binary) << *current_input;
   return file;
 }
@@ -103,6 +104,7 @@ int fuzz(const Options& options) {
     fmt::print(stderr, "fuzz: there is no target '{}'\n", options.target);
     return 2;
   }
+  current_seed = options.seed;  // runs side by side keep their findings apart
   signal(SIGPROF, on_alarm);
   if (__sanitizer_set_death_callback) __sanitizer_set_death_callback(on_death);
   int findings = 0;

@@ -18,6 +18,7 @@
 #include "common/scene/settings_codec.h"
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
+#include "tests/fuzz/block_seeds.h"
 #include "tests/read_in_pieces.h"
 #include "tests/render_little.h"
 #include "tests/scene_text.h"
@@ -135,7 +136,7 @@ Bytes zeros(size_t n) {
 }
 
 std::vector<std::string> message_seeds() {
-  SubpolygonReport report{FrameNumber(3), SubpolygonId(7), {1, 2, 3, 4, 5}, 1000, true, 2};
+  SubpolygonReport report{FrameNumber(3), SubpolygonId(7), {1, 2, 3, 4, 5}, 1000, true, 2, {6, 7, 8, 9, 10}};
   std::vector<std::string> seeds;
   for (const Control& c : {Control(Hello{"machine", 7, "build"}), Control(Alive{}),
                            Control(SelectStep{StepIndex(3)}), Control(OpenSteps{StepIndex(4)}),
@@ -220,6 +221,7 @@ void read_images(const Folder& folder, const std::string& bytes) {
 
 std::vector<std::string> settings_seeds() {
   RenderSettings spectral;
+  spectral.item_buffer = ItemBuffer::checked;
   spectral.colour = ColourModel::spectral;
   spectral.colour_nodes_nm = {400, 500, 600, 700};
   return {text_of(encode_settings(RenderSettings())), text_of(encode_settings(spectral))};
@@ -231,16 +233,6 @@ SceneBlock block_of(const std::string& bytes) {
   block.data.reset(static_cast<std::byte*>(std::aligned_alloc(64, (bytes.size() + 64) / 64 * 64)));
   std::memcpy(block.data.get(), bytes.data(), bytes.size());
   return block;
-}
-
-std::vector<std::string> block_seeds() {
-  std::vector<std::string> seeds;
-  for (const char* name : {"primitives", "animation", "materials", "tiles", "glasses", "gloss"}) {
-    const CompiledScene compiled =
-        compile(load_scene(std::string(RAYFARM_SOURCE "/scenes/") + name + ".yaml"));
-    if (compiled.block.size < 1 << 18) seeds.push_back(text_of(compiled.block.bytes()));
-  }
-  return seeds;
 }
 
 std::vector<std::string> part_seeds(const Folder& folder) {

@@ -175,6 +175,22 @@ class Usage(JobTest):
         self.expect(2, "render", SCENE, *picture, "--reflected-rays", "1001", says=["--reflected-rays", "1000"])
         self.expect(2, "render", SCENE, *picture, "--glass-shadows", "no", says=["blocked", "transparent"])
 
+    def test_item_buffers_say_where_they_do_nothing(self):
+        small = ("--size", "16x12", "--progress", "none")
+        out = self.folder / "a.png"
+        self.expect(2, "render", SCENE, "-o", out, "--item-buffer", "yes", says=["--item-buffer"])
+        self.expect(2, "render", SCENE, "-o", out, "--item-radius", "0.5", says=["--item-radius"])
+        self.expect(2, "render", SCENE, "-o", out, "--light-buffer", "1", says=["2 to 3344 points"])
+        self.expect(2, "render", SCENE, "-o", out, "--item-buffer", "bound", "--size", "65536x65536", says=["12 bytes for each corner", "--crop"])
+        self.expect(0, "render", SCENE, "-o", out, "--item-radius", "2", *small, says=["--item-radius belongs to --item-buffer"])
+        self.expect(0, "render", SCENE, "-o", out, "--item-buffer", "trusted", *small, says=["may differ", "--item-buffer checked"])
+        self.expect(0, "render", SCENE, "-o", out, "--light-buffer", "8", "--lighting", "path", *small, says=["--light-buffer does nothing in --lighting path"])
+        lamp = self.write("lamp.yaml", "view: {location: {0: [0, 0, 5], 1: [1, 0, 5]}, look_at: [0, 0, 0]}\nlights: [{position: [1, 2, 9]}]\n"
+                        "materials: {lamp: {luminaire: {emission: 5}}}\nscene: [{material: lamp, sphere: {center: [0, 0, 0], radius: 1}}]\n")
+        self.expect(0, "render", lamp, "-o", out, "--light-buffer", "8", *small, says=["1 of 2 lights have no one point", "its shadow rays"])
+        self.expect(0, "render", lamp, "-o", out, "--light-buffer", "8", "--item-buffer", "bound", "--shutter", "0.5", *small,
+                    says=["--item-buffer does nothing here", "--light-buffer does nothing here"])
+
     def test_impossible_material(self):
         scene = self.write("impossible.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {m: {lambertian: 1.5}}\nscene: []\n")
         self.expect(3, "render", scene, "-o", self.folder / "a.png", says=["impossible.yaml:2:", "1.5 times the light"])

@@ -107,6 +107,17 @@ class HierarchyScenes(JobTest):
             self.assertEqual({m[1]: int(m[2]) for m in re.finditer(r"^    (.+): (\d+) (?:polygon|sphere|quadric)s?$", told, re.M)}, objects)
             self.assertIn(f"object nodes {len(objects) + 1},", told)
 
+    def test_volumes_of_the_plant_are_about_those_of_table_4_5(self):
+        # Object/volume, 3/25: 188 interior volumes and 1,110 leaves, 6.9 octants each; 8,994 pointers. The scene is rebuilt: within a factor of 1.5.
+        told = self.run_alone("info", FOLDER / "plant.yaml", "--hierarchy", "thesis", "--thesis-volumes", "spheres", "--thesis-clip", "always",
+                              "--thesis-center", "volume", "--max-primitives", "25")
+        counts = re.search(r"spheres of `thesis` (\d+) about interior volumes, (\d+) about leaves, pointers (\d+), .*: (\d+) bytes", told.stdout)
+        interior, leaves, pointers, size = (int(n) for n in counts.groups())
+        for ours, stated in ((interior, 188), (leaves, 1110), (pointers, 8994)):
+            self.assertTrue(1 / 1.5 < ours / stated < 1.5, (ours, stated))
+        self.assertAlmostEqual((interior + leaves - 1) / interior, 6.9, delta=1)
+        self.assertEqual(size, 24 * interior + 20 * leaves + 4 * pointers)
+
     def test_pencils_are_nine_clusters_of_four(self):
         # Table II, note 2: "Each pencil is grouped with its three closest neighbors, creating nine clusters."
         for name in ("pencils_1", "pencils_2", "pencils_3"):

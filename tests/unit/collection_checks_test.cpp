@@ -74,6 +74,27 @@ TEST(CollectionChecks, ListsAndGridsThatWouldReadOutsideAreRefused) {
       "a pointer of no kind");
 }
 
+TEST(CollectionChecks, OctantsReachTheirOwnPrimitivesAlone) {
+  const CompiledScene compiled = test::compile_everything();
+  expect_refusal<Collection>(
+      compiled, &Scene::collections,
+      [](Collection& c) { return c.structure == Structure::octants && (c.octants = 1, true); },
+      "octants that are not there");
+  expect_refusal<Collection>(
+      compiled, &Scene::collections,
+      [](Collection& c) {
+        return c.structure == Structure::regular && (c.structure = Structure::octants, c.grid = kNone, true);
+      },
+      "a collection without octants");
+  expect_refusal<Collection>(
+      compiled, &Scene::collections,
+      [](Collection& c) {
+        return c.structure == Structure::regular &&
+               (c.structure = Structure::octants, c.grid = kNone, c.octants = 0, true);
+      },
+      "octants of two collections");
+}
+
 TEST(CollectionChecks, TreesOfObjectsThatAWalkWouldNotEndInAreRefused) {
   const CompiledScene compiled = test::compile_everything();
   const auto refuse_node = [&](const std::function<bool(BoundingNode&)>& damage, const char* what) {

@@ -1,44 +1,13 @@
-// What experiments make and count: the thesis's images (Table 4.3), and Figure 4.6's types of rays.
-#include <map>
-
+// What experiments make and count.
 #include "common/compile/compile.h"
-#include "host/experiments/images/images.h"
 #include "host/experiments/net-load/ray_shares.h"
+#include "host/experiments/working-sets/terrain.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
 namespace {
 
-std::map<std::string, size_t> polygons_by_object(const SceneDescription& scene) {
-  std::map<std::string, size_t> counts;
-  for (const ObjectDescription& object : scene.objects)
-    if (!object.primitives.empty()) counts[object.name] += object.primitives.size();
-  return counts;
-}
-
-TEST(ThesisImages, BeachHouseHasTheObjectsOfTable_4_3) {
-  const std::string path = test::write_temporary("beach_house.yaml", "");
-  write_beach_house(path);
-  const SceneDescription scene = load_scene(path);
-  const std::map<std::string, size_t> table{
-      {"room", 14},   {"sky", 1},    {"grass", 1},        {"centre table", 70}, {"dish", 360},
-      {"sand", 2},    {"water", 3},  {"left table", 180}, {"right table", 180}, {"vase", 80},
-      {"glass", 360}, {"bowl", 260}, {"frames", 80},      {"title", 67}};
-  EXPECT_EQ(polygons_by_object(scene), table);  // 14 objects, 1,658 polygons
-  EXPECT_NO_THROW(compile(scene));
-}
-
-TEST(ThesisImages, PlantHasTheObjectsOfTable_4_3) {
-  const std::string path = test::write_temporary("plant.yaml", "");
-  write_plant(path);
-  const SceneDescription scene = load_scene(path);
-  std::map<std::string, size_t> table{{"pot", 280}, {"dirt", 36}, {"stem", 36}, {"corner", 4}};
-  for (int leaf = 1; leaf <= 8; ++leaf) table[fmt::format("leaf {}", leaf)] = 294;
-  EXPECT_EQ(polygons_by_object(scene), table);  // 12 objects, 2,708 polygons
-  EXPECT_NO_THROW(compile(scene));
-}
-
-TEST(ThesisImages, TerrainHasTwoTrianglesACell) {
+TEST(WorkingSets, TerrainHasTwoTrianglesACell) {
   const std::string path = test::write_temporary("terrain.yaml", "");
   write_terrain(path, 7);
   EXPECT_EQ(compile(load_scene(path)).scene.triangle_shading.size(), 98u);

@@ -96,11 +96,74 @@ TEST(Grid, ARayFromVeryFarAwayMissesNothing) {
   }
 }
 
+size_t empty_cells(const std::string& shape, uint32_t cells) {
+  const CompiledScene compiled = compile(test::load_yaml(test::view_text() + "scene:\n" + shape),
+                                         {.hierarchy = Hierarchy::regular, .cells = cells});
+  const auto ends = compiled.scene.grid_cells;
+  size_t empty = 0;
+  for (size_t i = 0; i + 1 < ends.size(); ++i) empty += ends[i] == ends[i + 1];
+  return empty;
+}
+
+// A surface's cells are few among those of its box.
+TEST(Grid, CellsInsideABallOrAQuadricAndThoseFarFromAPlaneAreEmpty) {
+  // Of 16³ cells the surface of a ball, as wide as the grid, meets about 3/2 π 16² with its thickness.
+  const std::string ball = "  - {sphere: {center: [0, 0, 0], radius: 1}}\n",
+                    quadric = "  - {quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, 0, 0, -1]}}\n",
+                    pole = "  - {polygon: {points: [[0, 0, 0], [1, 1, 1], [1.01, 1, 1], [0.01, 0, 0]]}}\n";
+  const size_t of_ball = 4096 - empty_cells(ball, 16), of_quadric = 4096 - empty_cells(quadric, 16);
+  EXPECT_GT(of_ball, 1000u);
+  EXPECT_LT(of_ball, 1700u);
+  EXPECT_GE(of_quadric, of_ball);
+  EXPECT_LT(of_quadric, 1.2 * static_cast<double>(of_ball));
+  EXPECT_LT(4096 - empty_cells(pole, 16), 130u);  // along the diagonal
+}
+
+// A polygon of a file with few digits stands off its plane by some; rays meet the plane, also beyond the
+// corners' box.
+TEST(Grid, AWarpedPolygonIsMetWhereItsPlaneIs) {
+  std::string polygon = "  - {polygon: {points: [";
+  for (int i = 0; i < 12; ++i)
+    polygon += fmt::format("{}[{:.17g}, {}, {:.17g}]", i == 0 ? "" : ", ", std::cos(i * 0.52),
+                           i % 2 ? 2e-4 : -1e-4, std::sin(i * 0.52));
+  const SceneDescription scene = test::load_yaml(test::view_text() + "scene:\n" + polygon + "]}}\n");
+  std::mt19937 random(3);
+  for (const Hierarchy hierarchy :
+       {Hierarchy::sah, Hierarchy::thesis, Hierarchy::regular, Hierarchy::adaptive, Hierarchy::object}) {
+    const CompiledScene compiled = compile(scene, {.hierarchy = hierarchy, .max_primitives = 1, .cells = 9});
+    ASSERT_EQ(compiled.scene.polygons.size(), 1u);
+    FrameState state(compiled.scene);
+    int hits = 0;
+    for (int i = 0; i < 2000; ++i) {  // nearly along the plane
+      Vec3 origin = 2.0 * test::random_point(random, 1), target = test::random_point(random, 1);
+      origin.y *= 1e-3;
+      target.y *= 2e-4;
+      const Ray ray{origin, target - origin};
+      const double t = closest_hit_brute_force(compiled.scene, state.at(0), ray).t;
+      EXPECT_EQ(closest_hit(compiled.scene, state.at(0), ray).t, t);
+      hits += std::isfinite(t);
+    }
+    EXPECT_GT(hits, 100);
+  }
+}
+
 // Thirty-odd bodies as large as the scene, each in all of 512³ cells, are more pointers than indices tell
 // apart.
 TEST(Grid, MorePointersThanThereAreIndicesAreRefused) {
   EXPECT_NO_THROW(check_count(1ull << 31, "pointers", "--cells"));
   EXPECT_THROW(check_count((1ull << 31) + 1, "pointers", "--cells"), TooManyCells);
+}
+
+TEST(Grid, ABuildTellsHowFarItIsAndStopsAmongTheCellsOfOnePrimitive) {
+  const SceneDescription scene = test::load_yaml(
+      test::view_text() + "scene: [{polygon: {points: [[0, 0, 0], [9, 9, 9], [9, 9, 8], [0, 0, -1]]}}]\n");
+  for (const Hierarchy hierarchy : {Hierarchy::regular, Hierarchy::adaptive}) {
+    BuildProgress progress;
+    const CompiledScene compiled = compile(
+        scene, {.hierarchy = hierarchy, .max_primitives = 1, .octree_depth = 4, .progress = &progress});
+    EXPECT_GT(progress.total, 0u);
+    EXPECT_EQ(progress.done, progress.total);
+  }
 }
 
 TEST(Grid, NotesSayWhatChangesNothing) {

@@ -107,6 +107,26 @@ TEST(Mailbox, ThreadsAndScenesDoNotReadEachOthers) {
   EXPECT_EQ(differences, (std::array{0, 0, 0}));
 }
 
+// It is as large as what a collection holds, not as the scene, and no collection reads what another noted.
+TEST(Mailbox, NumbersACollectionsOwnPrimitives) {
+  Mailbox& mailbox = Mailbox::of_this_thread();
+  Collection small;
+  small.first_triangle_block = small.first_sphere_block = 1u << 26;
+  small.triangle_block_count = small.sphere_block_count = 1;
+  small.first_leaf_primitive = 1u << 29;
+  small.leaf_primitive_count = 2;
+  const Mailbox::Search search = mailbox.begin_search(small);
+  const std::array pointers{
+      make_pointer(PointerKind::triangle, 8u << 26), make_pointer(PointerKind::triangle, (8u << 26) + 7),
+      make_pointer(PointerKind::sphere, 8u << 26), make_pointer(PointerKind::other, (1u << 29) + 1)};
+  for (const PrimitivePointer& p : pointers) {
+    EXPECT_TRUE(mailbox.take(p, search));
+    EXPECT_FALSE(mailbox.take(p, search));
+  }
+  const Mailbox::Search next = mailbox.begin_search(small);
+  for (const PrimitivePointer& p : pointers) EXPECT_TRUE(mailbox.take(p, next));
+}
+
 /// An instance is another ray.
 TEST(Mailbox, InstancesOfAPartAreTestedEach) {
   std::string text = test::view_text() + "objects:\n  pile:\n";

@@ -253,7 +253,7 @@ TEST(Octree, BytesAreThoseOfTable4_5) {
         RegularRow{1794, 1581, 17388, 83052}, RegularRow{2456, 2457, 300000, 1219652}})
     EXPECT_EQ((GridStorage{row.empty, row.full, row.pointers}.bytes()), row.bytes);
   const CompiledScene three = make_three();
-  EXPECT_EQ(storage_of(three.scene, three.scene.octrees[0]).bytes(), 5u * 24 + 3 * 4 + 4000);
+  EXPECT_EQ(storage_of(three.scene, 0).bytes(), 5u * 24 + 3 * 4 + 4000);
   const CompiledScene grid =
       compile(test::load_yaml(test::view_text() + "scene:\n" + ball(1, 1, 1, 0.5) + ball(3, 3, 3, 0.5)),
               {.hierarchy = Hierarchy::regular, .cells = 2});

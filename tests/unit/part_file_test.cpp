@@ -40,6 +40,10 @@ std::string nodes() {
   - {name: bulb, light: {position: [1, 3, 0], ies: lamp.ies}}
   - {light: {position: [-1, 3, 0], color: {spectrum: [[400, 0.3], [500, 0.1], [700, 0.4]]}}}
   - {material: tiles, cylinder: {base: [0, -2, 1], top: [0, 0, 1], radius: 0.3}}
+  - structure: {thesis: {volumes: spheres, clip: always, max_primitives: 1}}
+    group:
+      - {material: glass, sphere: {center: [0, 1, -3], radius: 0.3}}
+      - {material: red, polygon: {points: [[0, 1, -2], [1, 1, -2], [1, 2, -2], [0, 2, -2]]}}
   - structure: {adaptive: {max_primitives: 1, depth: 4}}
     group:
       - {material: glass, sphere: {center: [0, 0, -3], radius: 0.3}}

@@ -47,6 +47,7 @@ TEST(Structures, CollectionsNestInAnyOrder) {
                                        "thesis",
                                        "{regular: {cells: 4}}",
                                        "{adaptive: {max_primitives: 3, mailbox: true}}",
+                                       "{thesis: {volumes: spheres, clip: always, max_primitives: 3}}",
                                        "brute",
                                        "{object: {bounds: sphere}}"};
   for (const std::string& outer : names)
@@ -111,6 +112,12 @@ TEST(Structures, MistakesAreToldWithTheirPlaces) {
   EXPECT_NE(error_of("{adaptive: {next: up}}").find("next"), std::string::npos);
   EXPECT_NE(error_of("{adaptive: {depth: 21}}").find("depth"), std::string::npos);
   EXPECT_NE(error_of("{brute: {mailbox: true}}").find("mailbox"), std::string::npos);
+  EXPECT_NE(error_of("{thesis: {volumes: balls}}").find("volumes"), std::string::npos);
+  EXPECT_NE(error_of("{thesis: {clip: never}}").find("clip"), std::string::npos);
+  EXPECT_NE(error_of("{thesis: {center: 3}}").find("center"), std::string::npos);
+  EXPECT_NE(error_of("{thesis: {mailbox: true}}").find("mailbox"), std::string::npos);
+  EXPECT_NE(error_of("{sah: {volumes: spheres}}").find("volumes"), std::string::npos);
+  EXPECT_EQ(error_of("{thesis: {volumes: spheres, clip: always, center: volume, mailbox: true}}"), "");
   EXPECT_EQ(error_of("{adaptive: {max_primitives: 25, data: pointers, next: walk}}"), "");
   EXPECT_EQ(error_of("{adaptive: {depth: 7, hash: 10, next: dda, mailbox: false}}"), "");
   EXPECT_EQ(error_of("{regular: {mailbox: true}}"), "");

@@ -107,8 +107,10 @@ TEST_P(Scales, MixedSceneAgreesWithBruteForce) {
 INSTANTIATE_TEST_SUITE_P(, Scales, testing::Values(1e-3, 1.0, 1e6));
 
 TEST(Traverser, EverySplitRuleAndLeafSize) {
-  for (const BuildOptions& options : {BuildOptions{Hierarchy::thesis, 1}, BuildOptions{Hierarchy::thesis, 30},
-                                      BuildOptions{Hierarchy::sah, 1}, BuildOptions{Hierarchy::sah, 30}})
+  for (const BuildOptions& options :
+       {BuildOptions{Hierarchy::thesis, 1}, BuildOptions{Hierarchy::thesis, 30},
+        BuildOptions{.hierarchy = Hierarchy::thesis, .thesis = {ThesisVolumes::spheres, ThesisClip::always}},
+        BuildOptions{Hierarchy::sah, 1}, BuildOptions{Hierarchy::sah, 30}})
     compare_with_brute_force(compile(test::make_mixed_scene(4, 1, 300), options), 1, 1500);
 }
 

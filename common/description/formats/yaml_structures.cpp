@@ -29,7 +29,18 @@ void read_octree(YamlMap& options, BuildOptions& build) {
   if (build.octree_data == OctreeData::hash)
     if (auto v = options.find("hash")) build.octree_hash = whole_number(*v, 1, int{kMostHashPlaces});
   if (auto v = options.find("next")) build.octree_next = read_word<OctreeNext>(*v, kOctreeNextWords);
+  if (auto v = options.find("build")) build.octree_build = read_word<OctreeBuild>(*v, kOctreeBuildWords);
   if (auto v = options.find("mailbox")) build.has_mailbox = v->boolean();
+}
+
+void read_thesis(YamlMap& options, BuildOptions& build) {
+  if (auto v = options.find("max_primitives")) build.max_primitives = whole_number(*v, 1, 1000);
+  ThesisOptions& thesis = build.thesis;
+  if (auto v = options.find("volumes")) thesis.volumes = read_word<ThesisVolumes>(*v, kThesisVolumesWords);
+  if (auto v = options.find("clip")) thesis.clip = read_word<ThesisClip>(*v, kThesisClipWords);
+  if (auto v = options.find("center")) thesis.center = read_word<ThesisCenter>(*v, kThesisCenterWords);
+  if (thesis.volumes == ThesisVolumes::spheres)
+    if (auto v = options.find("mailbox")) build.has_mailbox = v->boolean();
 }
 
 }  // namespace
@@ -61,9 +72,10 @@ StructureDescription read_structure(const YamlValue& value) {
   switch (build.hierarchy) {
     case Hierarchy::sah:
       if (auto v = options.find("build")) build.quality = read_word<BuildQuality>(*v, kBuildQualityWords);
-      [[fallthrough]];
-    case Hierarchy::thesis:
       if (auto v = options.find("max_primitives")) build.max_primitives = whole_number(*v, 1, 1000);
+      break;
+    case Hierarchy::thesis:
+      read_thesis(options, build);
       break;
     case Hierarchy::regular:
       if (auto v = options.find("cells")) build.cells = whole_number(*v, 1, static_cast<int>(kMostCells));

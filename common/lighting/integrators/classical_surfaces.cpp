@@ -5,6 +5,7 @@
 
 #include "common/lighting/glass_shadows.h"
 #include "common/lighting/integrators/gouraud.h"
+#include "common/lighting/item_buffers.h"
 #include "common/lighting/torrance_sparrow.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -207,7 +208,7 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     const uint32_t facing = HWY_DYNAMIC_DISPATCH(face_light)(surfaces.at, in) & wanted;
     if (!facing) continue;
     counts[RayKind::shadow] += static_cast<uint64_t>(std::popcount(facing));
-    const uint32_t blocked = any_hits(context.scene, context.pose, in.shadow_rays, facing);
+    const uint32_t blocked = find_blocked(context, number, in.shadow_rays, facing, counts);
     const uint32_t lit =
         is_glass_crossed ? lit_through_glass(context, surfaces, facing, blocked, in) : facing & ~blocked;
     if (!lit) continue;

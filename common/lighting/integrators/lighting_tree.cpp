@@ -17,15 +17,19 @@ SecondaryRays secondary_rays(const ClassicalSurfaces& surfaces, size_t i, const 
     const uint32_t wanted = rays_of_lobe(settings.transmitted_rays);
     if (rays.transmitted == Vec3(0))
       rays.reflect += material.transmit;
-    else if (branch.transmissions < settings.max_transmissions &&
-             branch.weight * max_component(rays.transmit) / wanted >= settings.min_weight)
-      rays.transmitted_rays = wanted;
+    else if (branch.transmissions < settings.max_transmissions) {
+      const bool is_cut = !(branch.weight * max_component(rays.transmit) / wanted >= settings.min_weight);
+      (is_cut ? rays.cut_rays : rays.transmitted_rays) += wanted;
+    }
   }
   const uint32_t wanted = rays_of_lobe(settings.reflected_rays);
-  if (has_reflected_rays(material) && branch.reflections < settings.max_reflections &&
-      branch.weight * rays.reflect / wanted >= settings.min_weight) {
-    rays.reflected_rays = wanted;
-    rays.reflected = mirrored(at);
+  if (has_reflected_rays(material) && branch.reflections < settings.max_reflections) {
+    if (branch.weight * rays.reflect / wanted >= settings.min_weight) {
+      rays.reflected_rays = wanted;
+      rays.reflected = mirrored(at);
+    } else if (rays.reflect > 0) {
+      rays.cut_rays += wanted;
+    }
   }
   return rays;
 }
@@ -35,6 +39,7 @@ OfPacket<Branch>& LightingTree::plant(std::span<const SampleId> ids, double spre
   forks_.clear();
   colors_ = colors;
   eye_branches_.clear();
+  depths_.fill(1);
   for (size_t i = 0; i < ids.size(); ++i) eye_branches_.emplace_back(ids[i], i, spread);
   return eye_branches_;
 }
@@ -54,6 +59,7 @@ void LightingTree::grow_lobe(const FrameContext& context, Receiver receiver, con
                              Cross cross) {
   const auto grow_one = [&](const Vec3& direction, uint32_t child, const Receiver& to) {
     if (batch->rays.is_full()) batch = &begin_batch(batch->depth);
+    reach(from, batch->depth);
     Branch& branch = grow(from, surfaces.at.ray_origin(i, direction), direction, max_component(lobe.share),
                           lobe.child + child, *batch);
     branch.receiver = to;

@@ -4,7 +4,9 @@
 // which batches are traced: a fork adds up what its branches brought in the order of their kinds, once all
 // have. The last batch in is the first out, so that few wait: a transmitted and a reflected one at each
 // depth, and what a model adds.
+#include <array>
 #include <deque>
+#include <numeric>
 #include <optional>
 
 #include "common/lighting/integrators/classical_surfaces.h"
@@ -28,7 +30,10 @@ struct Branch {
   /// Of an eye ray. It sets what is read and no more: many are made, and clearing all of one first, as a
   /// constructor that the compiler makes does, costs more than making it.
   Branch(const SampleId& of, size_t ray, double of_spread)
-      : receiver{.place = static_cast<uint32_t>(ray)}, id(of), spread(of_spread) {}
+      : receiver{.place = static_cast<uint32_t>(ray)},
+        id(of),
+        spread(of_spread),
+        eye_ray(static_cast<uint8_t>(ray)) {}
   Receiver receiver;
   double weight = 1;    ///< the largest share that its colour can have in its pixel
   SampleId id;          ///< its sample
@@ -39,6 +44,7 @@ struct Branch {
   Media media;                                  ///< that it is in
   /// Sources that it meets were found by the shadow rays of the surface that a diffuse ray left.
   bool skips_sources = false;
+  uint8_t eye_ray;  ///< from which all this comes
 
   /// It has met something. Media weaken what it brings.
   void arrive(const Scene& scene, double distance) {
@@ -73,6 +79,7 @@ struct Batch {
 /// The rays that a surface refracts and mirrors.
 struct SecondaryRays {
   uint32_t transmitted_rays = 0, reflected_rays = 0;  ///< how many there are
+  uint32_t cut_rays = 0;                              ///< how many would contribute too little
   Vec3 transmitted, reflected;                        ///< their axis, unit
   Color transmit{0};                                  ///< the share of all of them together
   double reflect = 0;
@@ -90,6 +97,15 @@ class LightingTree {
   /// Begins anew with eye rays, of depth 1, and returns their branches; `colors` are set as what they see is
   /// known.
   OfPacket<Branch>& plant(std::span<const SampleId> ids, double spread, Color* colors);
+
+  /// A ray of this depth leaves the branch.
+  void reach(const Branch& from, uint32_t depth) {
+    depths_[from.eye_ray] = std::max(depths_[from.eye_ray], depth);
+  }
+  /// How deep the trees of the eye rays are, summed up.
+  uint64_t depths() const {
+    return std::accumulate(depths_.begin(), depths_.begin() + eye_branches_.size(), uint64_t{0});
+  }
 
   /// Numbers of the rays that leave a surface, which tell them apart; from kFirstOwn on they are the model's,
   /// and from kOfLobe on the others of a lobe, each that far from the one before it.
@@ -169,6 +185,7 @@ class LightingTree {
 
   Pool<Fork> forks_;
   OfPacket<Branch> eye_branches_;
+  std::array<uint32_t, kMostPacketRays> depths_{};  ///< by eye ray
   std::deque<Batch> batches_;  ///< the first `batch_count_` of them: what lies under others may have ended
   size_t batch_count_ = 0;
   Color* colors_ = nullptr;

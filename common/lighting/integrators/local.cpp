@@ -3,6 +3,7 @@
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/classical_surfaces.h"
 #include "common/lighting/integrators/integrator.h"
+#include "common/lighting/item_buffers.h"
 
 namespace rayfarm {
 namespace {
@@ -14,8 +15,9 @@ class LocalIntegrator : public Integrator {
  private:
   size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
+    counts[RayTally::tree_depth] += rays.size;
     OfPacket<Hit> hits;
-    closest_hits(context.scene, context.pose, rays, hits.data());
+    find_eye_hits(context, rays, hits.data());
     ClassicalSurfaces surfaces(context, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       if (!hits[i].is_hit()) {

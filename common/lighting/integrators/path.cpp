@@ -6,6 +6,7 @@
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/integrators/path_step.h"
+#include "common/lighting/item_buffers.h"
 #include "common/lighting/light_choice.h"
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
@@ -69,7 +70,11 @@ class PathTracer {
     const size_t count = lanes_.rays.size;
     OfPacket<Hit> hits;
     hits.resize_for_overwrite(count);
-    closest_hits(scene_, pose_, lanes_.rays, hits.data());
+    counts_[RayTally::tree_depth] += count;
+    if (depth_ == 1)
+      find_eye_hits(context_, lanes_.rays, hits.data());
+    else
+      closest_hits(scene_, pose_, lanes_.rays, hits.data());
     lanes_.clear_sets();
     shadows_.rays.clear();
     LaneSet together = 0, go_on = 0;

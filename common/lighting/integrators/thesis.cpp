@@ -6,6 +6,7 @@
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/integrators/lighting_tree.h"
+#include "common/lighting/item_buffers.h"
 #include "common/lighting/light_sampling.h"
 
 namespace rayfarm {
@@ -92,6 +93,7 @@ class ThesisTracer {
         trace(batch->depth, batch->rays, batch->branches);
         LightingTree::end(*batch);
       } else {
+        counts_[RayTally::tree_depth] += tree_.depths();
         return eye_hits;
       }
     }
@@ -101,7 +103,10 @@ class ThesisTracer {
   /// Returns how many rays met an object.
   size_t trace(uint32_t depth, const RayPacket& rays, OfPacket<Branch>& branches) {
     OfPacket<Hit> hits;
-    closest_hits(scene_, context_.pose, rays, hits.data());
+    if (depth == 1)
+      find_eye_hits(context_, rays, hits.data());
+    else
+      closest_hits(scene_, context_.pose, rays, hits.data());
     ClassicalSurfaces surfaces(context_, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       Branch& branch = branches[i];
@@ -182,11 +187,17 @@ class ThesisTracer {
                 Batch*& reflected) {
     const Material& material = *surfaces.materials[i];
     SecondaryRays secondary;
-    if (surfaces.has_secondary_rays(i)) secondary = secondary_rays(surfaces, i, branch, settings_);
+    if (surfaces.has_secondary_rays(i)) {
+      secondary = secondary_rays(surfaces, i, branch, settings_);
+      counts_[RayTally::cut] += secondary.cut_rays;
+    }
     const Color share = (material.diffuse / settings_.diffuse_rays) * lane_of(surfaces.color, i);
-    const bool is_gathered = has_diffuse_rays(material) && branch.reflections < settings_.max_reflections &&
-                             max_component(share) > 0 &&
-                             branch.weight * max_component(share) >= settings_.min_weight;
+    bool is_gathered = has_diffuse_rays(material) && branch.reflections < settings_.max_reflections &&
+                       max_component(share) > 0;
+    if (is_gathered && !(branch.weight * max_component(share) >= settings_.min_weight)) {
+      is_gathered = false;
+      counts_[RayTally::cut] += settings_.diffuse_rays;
+    }
     if (!is_gathered && secondary.transmitted_rays + secondary.reflected_rays == 0) return false;
     const uint32_t fork = tree_.add_fork(branch.receiver, surfaces.light(i));
     if (is_gathered && begin_gathering(fork, transmitted->depth, branch, surfaces.at[i], share, secondary))
@@ -317,6 +328,7 @@ class ThesisTracer {
     gathering.rays[ray] = {direction, serves_both, std::numeric_limits<double>::infinity(), Color(0),
                            Color(0)};
     ++gathering.pending;
+    tree_.reach(gathering.branch, batch.depth);
     const Color share = serves_both ? gathering.share + gathering.reflect : gathering.share;
     Branch& branch =
         LightingTree::grow(gathering.branch, gathering.surface.ray_origin(direction), direction,

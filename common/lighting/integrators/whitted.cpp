@@ -2,6 +2,7 @@
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/integrators/lighting_tree.h"
+#include "common/lighting/item_buffers.h"
 
 namespace rayfarm {
 namespace {
@@ -15,6 +16,7 @@ class WhittedIntegrator : public Integrator {
       trace(context, batch->depth, batch->rays, batch->branches, counts);
       LightingTree::end(*batch);
     }
+    counts[RayTally::tree_depth] += tree_.depths();
     return eye_hits;
   }
 
@@ -22,7 +24,10 @@ class WhittedIntegrator : public Integrator {
   size_t trace(const FrameContext& context, uint32_t depth, const RayPacket& rays, OfPacket<Branch>& branches,
                RayCounts& counts) {
     OfPacket<Hit> hits;
-    closest_hits(context.scene, context.pose, rays, hits.data());
+    if (depth == 1)
+      find_eye_hits(context, rays, hits.data());
+    else
+      closest_hits(context.scene, context.pose, rays, hits.data());
     ClassicalSurfaces surfaces(context, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       Branch& branch = branches[i];
@@ -48,8 +53,10 @@ class WhittedIntegrator : public Integrator {
     for_each_lane(surfaces.met, [&](size_t i) {
       const Branch& branch = branches[i];
       SecondaryRays secondary;
-      if (depth < settings.max_depth && surfaces.has_secondary_rays(i))
+      if (depth < settings.max_depth && surfaces.has_secondary_rays(i)) {
         secondary = secondary_rays(surfaces, i, branch, settings);
+        counts[RayTally::cut] += secondary.cut_rays;
+      }
       if (secondary.transmitted_rays + secondary.reflected_rays == 0) {
         tree_.deliver(branch.receiver, surfaces.light(i));
         return;

@@ -68,7 +68,7 @@ class StandingScene {
 
  private:
   static uint64_t full_volumes(const WalkCounts& c) {
-    return c.cells > 0 ? c.cells - c.empty_cells : c.leaves;
+    return c.cells > 0 ? c.cells - c.empty_cells : c.leaves + c.leaf_volumes;
   }
 
   Scene scene_;
@@ -143,11 +143,15 @@ void count_storage(const Scene& s, const SceneFacts& facts, HierarchyRun& run) {
       if (child.kind() > ChildKind::inner) add_leaf(child);
   for (const Part& part : s.parts)
     if (part.collection.root.kind() > ChildKind::inner) add_leaf(part.collection.root);
+  const OctantStorage octants = storage_of_octants(s);
+  run.interior += octants.interior;
+  run.leaves += octants.leaves;
+  run.pointers += octants.pointers;
   run.full_lists = run.leaves;
   // The thesis's object part stands over its volumes: 88 bytes each. An interior volume takes 24, a leaf 20,
   // a pointer 4 (Table 4.4).
   const bool has_volumes = std::any_of(s.parts.begin(), s.parts.end(), [](const Part& part) {
-    return part.collection.structure == Structure::volumes;
+    return part.collection.structure != Structure::list;
   });
   run.thesis_bytes = (has_volumes ? 88.0 * static_cast<double>(facts.object_nodes) : 0.0) +
                      24.0 * static_cast<double>(run.interior) + 20.0 * static_cast<double>(run.leaves) +
@@ -182,6 +186,7 @@ KindCosts sum(const KindCosts& a, const KindCosts& b) {
 
 uint64_t volumes_of(const WalkCounts& c) {
   if (c.elements > 0) return c.elements;
+  if (c.volumes() > 0) return c.volumes();
   return c.nodes + (c.cells > 0 ? c.cells : c.leaves);
 }
 
@@ -263,9 +268,10 @@ HierarchyRun run_hierarchy(const SceneDescription& description, const BuildOptio
   run.build_cpu_s = std::max(0.0, cpu_s - facts.list_cpu_s);
   const Scene& s = compiled.scene;
   run.bytes = bytes_of(s.nodes) + bytes_of(s.grids) + bytes_of(s.grid_cells) + bytes_of(s.octrees) +
-              bytes_of(s.octree_nodes) + bytes_of(s.octree_cells) + bytes_of(s.octree_hash) +
-              bytes_of(s.primitive_pointers) + bytes_of(s.bounding_nodes) + bytes_of(s.bounding_volumes) +
-              bytes_of_primitives(s) - facts.list_bytes;
+              bytes_of(s.octree_nodes) + bytes_of(s.octant_trees) + bytes_of(s.octant_volumes) +
+              bytes_of(s.octree_cells) + bytes_of(s.octree_hash) + bytes_of(s.primitive_pointers) +
+              bytes_of(s.bounding_nodes) + bytes_of(s.bounding_volumes) + bytes_of_primitives(s) -
+              facts.list_bytes;
   count_storage(s, facts, run);
   for (const Instance& instance : s.instances) {
     const Part& part = s.parts[instance.part];

@@ -24,7 +24,7 @@ Summary summarize(const HierarchyStudy& study, size_t image) {
     if (row.image > 0 && row.hierarchy == "thesis")
       rows.push_back({row.run.volumes_per_ray(), row.run.primitives_per_ray(), row.run.ns_per_ray});
   const UnitTimes times = fit_unit_times(rows);
-  const HierarchyRun& run = study.run(static_cast<int>(image + 1), Scheme::object_volume, 15);
+  const HierarchyRun& run = study.run(static_cast<int>(image + 1), "thesis", 15);
   const RenderProfile& p = study.images[image].profile;
   const RayCosts ray{run.volumes_per_ray(), run.primitives_per_ray(), run.ns_per_ray};
   const double tests = ray.primitives * times.test_ns / std::max(1e-9, times.ns(ray));
@@ -91,7 +91,7 @@ std::string summary_table(const HierarchyStudy& study) {
     const Summary s = summarize(study, i);
     const ImageRow& thesis = image_rows()[i];
     const double all_s = thesis.intersection_s + thesis.traversal_s + thesis.other_s;
-    const HierarchyRun& run = study.run(static_cast<int>(i + 1), Scheme::object_volume, 15);
+    const HierarchyRun& run = study.run(static_cast<int>(i + 1), "thesis", 15);
     text += fmt::format(
         "| {} | {:.2f} ms, {} | {:.2f} ms, {} | {:.2f} ms, {} | {}, {}, {} | {} | {} | {:.0f}, {:.0f} |\n",
         i + 1, 1e3 * s.intersection_s, percent(s.intersection_s / s.total_s()), 1e3 * s.traversal_s,
@@ -133,12 +133,12 @@ std::string kinds_table(const HierarchyStudy& study) {
   for (size_t i = 0; i < study.images.size(); ++i) {
     const RayCounts& kinds = study.images[i].kinds;
     const auto share = [&](RayKind kind) { return percent(part(kinds[kind], kinds.total())); };
-    for (const Scheme scheme : {Scheme::regular, Scheme::adaptive, Scheme::object_volume}) {
-      const KindCosts costs = study.run(static_cast<int>(i + 1), scheme, 15).all();
+    for (const char* hierarchy : {"regular", "adaptive", "thesis"}) {
+      const KindCosts costs = study.run(static_cast<int>(i + 1), hierarchy, 15).all();
       text +=
           fmt::format("| {} | {} | {} | {} | {} | `{}` | {} | {} | {} |\n", i + 1, share(RayKind::primary),
                       share(RayKind::reflected), share(RayKind::transmitted), share(RayKind::shadow),
-                      kSchemeNames[static_cast<size_t>(scheme)], percent(part(costs.types[0], costs.rays)),
+                      hierarchy, percent(part(costs.types[0], costs.rays)),
                       percent(part(costs.types[1], costs.rays)), percent(part(costs.types[2], costs.rays)));
     }
   }

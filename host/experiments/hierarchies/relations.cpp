@@ -112,15 +112,6 @@ class Relations {
                           holds, std::move(why)});
   }
 
-  /// What N_V of volumes would be if every child were a volume of its own.
-  std::string boxes_text(Scheme scheme) const {
-    if (scheme != Scheme::object_volume) return "";
-    const KindCosts coarse = run(scheme, 25).all(), fine = run(scheme, 10).all();
-    return fmt::format(
-        "; N_V is of nodes that test eight boxes at once: boxes a ray tests grow from {:.1f} to {:.1f}",
-        share(coarse.counts.boxes, coarse.rays), share(fine.counts.boxes, fine.rays));
-  }
-
   void add_empty_cells() {
     const SizeRow& row = size_row(Scheme::regular, image_, 25);
     const HierarchyRun& grid = run(Scheme::regular, 25);
@@ -163,11 +154,12 @@ class Relations {
           is_near(here, thesis),
           scheme == Scheme::object_volume
               ? fmt::format(
-                    "here volumes grow by as much as half over what straddles them before it is cut, so "
-                    "that it is cut seldom: {} leaves hold {:.1f} primitives each, the thesis's {:.0f} "
-                    "hold {:.1f}",
+                    "{} leaves hold {:.1f} primitives each, the thesis's {:.0f} hold {:.1f}; where clipping "
+                    "is bounded "
+                    "(`thesis`, boxes) there are {:.1f} pointers a primitive",
                     r.leaves, list_length(r), size_row(scheme, image_, cut).leaves,
-                    size_row(scheme, image_, cut).pointers / size_row(scheme, image_, cut).leaves)
+                    size_row(scheme, image_, cut).pointers / size_row(scheme, image_, cut).leaves,
+                    share(study_.run(image_, "thesis", static_cast<uint32_t>(cut)).pointers, r.primitives))
               : fmt::format("a full cell lists {:.1f} here{}", list_length(r),
                             scheme == Scheme::regular
                                 ? fmt::format(" and {:.1f} in the thesis, at {} and {:.0f} full cells",
@@ -271,12 +263,12 @@ class Relations {
           here == thesis,
           fmt::format(
               "from 25 to 10 N_P changes by {:.1f} and N_V by {:.1f} (the thesis: {:.1f} and {:.1f}); "
-              "a test costs .303 ms, a step {}{}",
+              "a test costs .303 ms, a step {}",
               run(scheme, 10).primitives_per_ray() - run(scheme, 25).primitives_per_ray(),
               run(scheme, 10).volumes_per_ray() - run(scheme, 25).volumes_per_ray(),
               time_row(scheme, image_, 10).primitives - time_row(scheme, image_, 25).primitives,
               time_row(scheme, image_, 10).volumes - time_row(scheme, image_, 25).volumes,
-              scheme == Scheme::regular ? ".102" : ".245", boxes_text(scheme)));
+              scheme == Scheme::regular ? ".102" : ".245"));
     }
   }
 

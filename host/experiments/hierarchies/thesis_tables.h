@@ -9,7 +9,9 @@ namespace rayfarm {
 
 /// The thesis's volume hierarchies.
 enum class Scheme { regular, adaptive, object_volume };
-inline constexpr std::array kSchemeNames{"regular", "adaptive", "thesis"};  ///< here, on the command line
+/// Rows that stand for them here: `regular` and `adaptive`, and `thesis` to the letter, with spheres and
+/// always clipped.
+inline constexpr std::array kSchemeNames{"regular", "adaptive", "thesis, spheres"};
 
 inline constexpr std::array<int, 3> kThesisCuts{25, 15, 10};
 

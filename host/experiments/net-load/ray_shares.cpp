@@ -5,7 +5,6 @@
 #include "common/compile/compile.h"
 #include "common/hierarchy/walk_counts.h"
 #include "common/lighting/moments.h"
-#include "host/experiments/images/images.h"
 #include "host/files/json.h"
 
 namespace rayfarm {
@@ -33,14 +32,10 @@ VolumeTypes count_volume_types(const std::string& scene, int width_px, int heigh
 }
 
 std::vector<RayShares> measure_ray_shares(const LocalRuns& runs, const std::string& scenes, int width_px) {
-  const std::string beach_house = runs.file("beach_house.yaml").string(),
-                    plant = runs.file("plant.yaml").string();
-  write_beach_house(beach_house);
-  write_plant(plant);
-  const std::filesystem::path folder(scenes);
-  const std::pair<const char*, std::string> cases[] = {{"Image 1", beach_house},
-                                                       {"Image 2", (folder / "primitives.yaml").string()},
-                                                       {"Image 3", plant},
+  const std::filesystem::path folder(scenes), images = folder / "hierarchies";
+  const std::pair<const char*, std::string> cases[] = {{"Image 1", (images / "beach_house.yaml").string()},
+                                                       {"Image 2", (images / "primitives.yaml").string()},
+                                                       {"Image 3", (images / "plant.yaml").string()},
                                                        {"marina.yaml", (folder / "marina.yaml").string()}};
   std::vector<RayShares> all;
   for (const auto& [name, scene] : cases) {
@@ -64,9 +59,8 @@ uint64_t eye_rays(const VolumeTypes& types) {
 
 std::string ray_shares_text(const std::vector<RayShares>& shares) {
   std::string text =
-      "\n## Rays\n\nWhat a pixel takes, by kinds, in Whitted's model with one sample a pixel; Images 1 and 3 "
-      "of the "
-      "thesis are rebuilt from its Table 4.3, Image 2 is `scenes/primitives.yaml`. The last columns are the "
+      "\n## Rays\n\nWhat a pixel takes, by kinds, in Whitted's model with one sample a pixel; Images 1 to 3 "
+      "of the thesis are rebuilt in `scenes/hierarchies/`. The last columns are the "
       "types of "
       "Figure 4.6, of eye rays in the thesis's hierarchy with at most 15 primitives in a volume: 1 strikes "
       "in the "

@@ -15,8 +15,8 @@
 #include "common/compile/compile.h"
 #include "common/lighting/renderer.h"
 #include "common/scene/scene_block.h"
-#include "host/experiments/images/images.h"
 #include "host/experiments/page.h"
+#include "host/experiments/working-sets/terrain.h"
 #include "host/files/text_file.h"
 #include "host/instrument/table.h"
 #include "host/process/exit_code.h"
@@ -211,15 +211,14 @@ struct TestScene {
 std::vector<TestScene> prepare_scenes(const ExperimentOptions& options, int side_px) {
   const std::filesystem::path given(options.scenes), made = std::filesystem::path(options.output) / "scenes";
   make_page_folder(made.string());
-  const auto file = [&made](const char* name) { return (made / name).string(); };
   const int cells = std::max(1, kTerrainCells * side_px / kSide_px);
-  write_beach_house(file("beach_house.yaml"));
-  write_plant(file("plant.yaml"));
-  write_terrain(file("terrain.yaml"), cells);
-  return {{"Image 1", file("beach_house.yaml")},
-          {"Image 2", (given / "primitives.yaml").string()},
-          {"Image 3", file("plant.yaml")},
-          {fmt::format("{} triangles", 2 * cells * cells), file("terrain.yaml")},
+  const std::string terrain = (made / "terrain.yaml").string();
+  write_terrain(terrain, cells);
+  const std::filesystem::path images = given / "hierarchies";
+  return {{"Image 1", (images / "beach_house.yaml").string()},
+          {"Image 2", (images / "primitives.yaml").string()},
+          {"Image 3", (images / "plant.yaml").string()},
+          {fmt::format("{} triangles", 2 * cells * cells), terrain},
           {"rainbow.yaml", (given / "rainbow.yaml").string()}};
 }
 
@@ -246,11 +245,8 @@ std::string page_text(const Table& table, int side_px) {
       "and the raster of 3 bytes a pixel. Active code is what the kernel marks as referenced. `columns from "
       "the lower "
       "left` is the thesis's order; the raster lies column by column.\n\n"
-      "Images 1 and 3 are rebuilt from Table 4.3: its objects, colours and counts of polygons (1,658 and "
-      "2,708), "
-      "with places, views and lights of ours; the files lie in `scenes/` beside this page after a run. Image "
-      "2 is "
-      "`scenes/primitives.yaml`.\n\n"
+      "Images 1 to 3 are rebuilt in `scenes/hierarchies/`, with places, views and lights of ours; the terrain "
+      "lies in `scenes/` beside this page after a run.\n\n"
       "| the thesis | total | active | share |\n|---|---:|---:|---:|\n"
       "| Image 1 | 654404 | 73281 | 11.2 % |\n| Image 2 | 417716 | 66332 | 15.9 % |\n"
       "| Image 3 | 818148 | 101918 | 12.5 % |\n\nand 10K bytes of new pages in 60 s.\n\n"
