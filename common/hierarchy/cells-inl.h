@@ -95,7 +95,7 @@ HWY_INLINE bool search_cells(const Collection& collection, const Box& box, const
   auto walk = begin_walk(passage.begin);
   do {
     const CellList list = walk.list();
-    if constexpr (Search::kCounts) search.count_cell(list.empty());
+    if constexpr (Search::kCounts) search.count_cell(static_cast<uint32_t>(list.size()));
     if (tests.test(list)) return true;
   } while (walk.exit() <= search.t_far() && walk.advance());
   return false;

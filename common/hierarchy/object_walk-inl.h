@@ -59,6 +59,7 @@ class ObjectWalk {
   /// Lists what the ray may meet; an object that has no volume is looked into at once.
   bool test(uint32_t index) {
     const BoundingNode& node = scene_.bounding_nodes[index];
+    if constexpr (Search::kCounts) search_.count_element();
     if (node.volume_count == 0 && !node.is_group()) return visit(node);
     double entry = 0;
     if (!is_far_)

@@ -3,6 +3,8 @@
 // For one target: what is counted does not depend on it.
 #include <hwy/highway.h>
 
+#include <bit>
+
 #include "common/hierarchy/items-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,13 +26,20 @@ class Counting : public Search {
     for (const ChildRef& child : node.children) counts_->boxes += child.kind() != ChildKind::empty;
   }
 
-  void count_cell(bool is_empty) {
+  void count_cell(uint32_t listed) {
     ++counts_->cells;
-    counts_->empty_cells += is_empty;
+    if (listed == 0) {
+      ++counts_->empty_cells;
+      return;
+    }
+    const auto fill = static_cast<size_t>(std::bit_width(listed) - 1);
+    ++counts_->visits_by_fill[fill];
+    counts_->tests_by_fill[fill] += listed;
   }
   void count_tree_node() { ++counts_->tree_nodes; }
   void count_chain_step() { ++counts_->chain_steps; }
   void count_saved_test() { ++counts_->saved_tests; }
+  void count_element() { ++counts_->elements; }
   void count(const OctantVolume& volume, bool is_missed) {
     ++(volume.is_leaf() ? counts_->leaf_volumes : counts_->interior_volumes);
     counts_->missed_volumes += is_missed;
@@ -44,6 +53,7 @@ class Counting : public Search {
 
   bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
     ++counts_->leaves;
+    counts_->curved_leaves += is_curved(leaf);
     if (leaf.kind() == ChildKind::triangles) count_triangles(leaf);
     if (leaf.kind() == ChildKind::spheres)
       for (const SphereBlock& block : scene_->sphere_blocks.subspan(leaf.first, leaf.count()))
@@ -66,6 +76,11 @@ class Counting : public Search {
   }
 
  private:
+  bool is_curved(const ChildRef& leaf) const {
+    if (leaf.kind() != ChildKind::mixed || leaf.count() == 0) return leaf.kind() == ChildKind::spheres;
+    return scene_->leaf_primitives[leaf.first].kind() == PrimitiveKind::quadric;
+  }
+
   /// A primitive that was cut into triangles is one, wherever in the leaf they stand; in a long list they
   /// stand one behind the other.
   void count_triangles(const ChildRef& leaf) {
@@ -104,6 +119,22 @@ class Counting : public Search {
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
+
+WalkCounts& WalkCounts::operator+=(const WalkCounts& other) {
+  for (const auto count :
+       {&WalkCounts::nodes, &WalkCounts::boxes, &WalkCounts::cells, &WalkCounts::empty_cells,
+        &WalkCounts::tree_nodes, &WalkCounts::chain_steps, &WalkCounts::saved_tests, &WalkCounts::leaves,
+        &WalkCounts::curved_leaves, &WalkCounts::elements, &WalkCounts::interior_volumes,
+        &WalkCounts::leaf_volumes, &WalkCounts::missed_volumes, &WalkCounts::groups, &WalkCounts::objects,
+        &WalkCounts::triangles, &WalkCounts::spheres, &WalkCounts::polygons, &WalkCounts::quadrics})
+    this->*count += other.*count;
+  for (size_t i = 0; i < bounds.size(); ++i) bounds[i] += other.bounds[i];
+  for (size_t i = 0; i < tests_by_fill.size(); ++i) {
+    visits_by_fill[i] += other.visits_by_fill[i];
+    tests_by_fill[i] += other.tests_by_fill[i];
+  }
+  return *this;
+}
 
 Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts) {
   using namespace HWY_NAMESPACE;

@@ -42,6 +42,10 @@ void add_experiment_command(CommandLine& line) {
   verb.check = [choice] {
     if (choice->name != "sampling" && (choice->options.samples || choice->options.seeds))
       throw UsageError("--samples and --seeds belong to the experiment sampling");
+    if (choice->name != "hierarchies" && choice->options.is_picture_of_tests)
+      throw UsageError("--picture belongs to the experiment hierarchies");
+    if (!choice->options.is_picture_of_tests && !choice->options.scene.empty())
+      throw UsageError("--scene belongs to --picture");
   };
   verb.run = [choice](const Renders& renders) { return run_experiment(*choice, renders); };
   Options options = line.add(std::move(verb));
@@ -63,6 +67,12 @@ void add_experiment_command(CommandLine& line) {
   options.number("--width", o.width_px, 8, 65536, "of the pictures in pixels (default: the scenes')");
   options.number("--samples", o.samples, 2, 256, "sampling: the most per pixel (default: 256)");
   options.number("--seeds", o.seeds, 1, 1000, "sampling: pictures of each kind (default: 5)");
+  options.word(
+      "--picture",
+      [choice = choice.get()](const std::string&) { choice->options.is_picture_of_tests = true; }, {"tests"},
+      "hierarchies: only draw how many primitives the rays of each pixel test, for every hierarchy side by "
+      "side");
+  options.text("--scene", o.scene, "--picture: of this scene (default: the thesis's three images)");
   options.text("--cluster", o.cluster,
                "net-load: the script that makes a virtual cluster (default: deploy/virtual-cluster)");
 }

@@ -1,6 +1,7 @@
 """Experiments, as small as they get: each writes its page, tables and pictures."""
 import csv
 import re
+import shutil
 
 from rayfarm_job import JobTest, SCENES, main
 
@@ -54,24 +55,71 @@ class Experiments(JobTest):
             self.assertTrue((self.folder / "page" / f"{scene}.png").exists())
 
     def test_hierarchies_writes_its_page(self):
-        result = self.run_alone("experiment", "hierarchies", "-o", self.folder / "page", "--scenes", SCENES, "--width", "16")
+        # Chapter 4 of the thesis and what it says in numbers, on its three images.
+        page = self.folder / "page"
+        page.mkdir()
+        (page / "embree.csv").write_text("scene,rays,rayfarm_ns,embree_ns\nImage 1,578,80,70\n")
+        (page / "scenes").mkdir()
+        shutil.copy(SCENES / "blocks.yaml", page / "scenes" / "instances.yaml")
+        result = self.run_alone("experiment", "hierarchies", "-o", page, "--scenes", SCENES, "--width", "16")
         self.assertEqual(result.code, 0, result.stderr)
-        lines = (self.folder / "page" / "hierarchies.csv").read_text().splitlines()
+        self.assertIn("mesh1m.yaml, so the page is without it", result.stderr)
+        lines = (page / "hierarchies.csv").read_text().splitlines()
         rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-        self.assertEqual(len(rows), 3 * 13)
-        self.assertEqual({int(row["primitives"]) for row in rows}, {1658, 66, 2708})  # Table 4.3
+        images = [row for row in rows if row["scene"].startswith("Image")]
+        self.assertEqual(len(images), 3 * 19)
+        self.assertEqual({int(row["primitives"]) for row in images}, {1658, 66, 2708})  # Table 4.3
         for row in rows:
-            self.assertEqual(int(row["eye_rays"]), 17 * 17)
             self.assertGreater(float(row["primitives_per_ray"]), 0)
             self.assertGreater(float(row["ns_per_ray"]), 0)
-        tests = {(row["image"], row["hierarchy"]): float(row["primitives_per_ray"]) for row in rows}
-        for image in ("1", "2", "3"):
-            for hierarchy in ("sah", "thesis"):
-                self.assertLess(tests[image, hierarchy], tests[image, "brute"])
-        page = (self.folder / "page" / "README.md").read_text()
-        self.assertIn("| Image 1: empty cells of 23³ cells |", page)
-        self.assertRegex(page, r"\| `regular` \| 9 \| [0-9.]+ ns")
-        self.assertTrue((self.folder / "page" / "hierarchies.json").exists())
+        for row in images:
+            self.assertEqual(int(row["eye_rays"]), 17 * 17)
+            types = [int(row[f"type_{k}_rays"]) for k in (1, 2, 3)]  # Figure 4.6
+            self.assertEqual(sum(types), sum(int(row[f"{kind}_rays"]) for kind in ("eye", "secondary", "shadow")))
+            if row["hierarchy"] == "object":
+                self.assertIn(int(row["objects"]), (15, 20, 13))  # Table 4.5
+                self.assertIn(float(row["thesis_bytes"]), (1376, 1836, 1192))
+        tests = {(row["scene"], row["hierarchy"], row["setting"]): float(row["primitives_per_ray"]) for row in images}
+        for image in ("Image 1", "Image 2", "Image 3"):
+            for hierarchy, setting in (("sah", "8"), ("thesis", "25"), ("thesis, spheres", "15"), ("object", "a sphere each")):
+                self.assertLess(tests[image, hierarchy, setting], tests[image, "brute", ""])
+        self.assertEqual({row["hierarchy"] for row in rows if row["scene"] == "instances"},
+                         {"brute", "object", "regular", "adaptive", "thesis", "sah"})
+        for image in ("Image 1", "Image 2", "Image 3"):  # every structure finds the same
+            self.assertEqual(len({(row["hits"], row["answers"]) for row in images if row["scene"] == image}), 1)
+        text = (page / "README.md").read_text()
+        for exact in ("27 of 27 to the byte | 27 |", "| 3 of 3 | 3 |", "| 2.75, 3.06, 2.59 | 2.75, 3.06, 2.59 |", "| 289 | 289 |", "57 runs, one answer"):
+            self.assertIn(f"{exact} holds |" if exact.endswith("|") else exact, text)
+        self.assertIn("| Image 1: empty cells of regular at 25 |", text)
+        self.assertRegex(text, r"\| `regular` \| 9 \| [0-9.]+ ns")  # Equation 4.5
+        self.assertRegex(text, r"\| 2 \| 20 \| 19 \| [0-9.]+ µs \| [0-9.]+ µs \|")  # Equation 4.2
+        self.assertRegex(text, r"\| \*wpixel\* \| pixels \| 256 \| 256 \| 256 \|")  # Table 4.8
+        self.assertRegex(text, r"\| 1 \| 5\d % \| 0 % \| 0 % \| \d+ % \| `thesis` \|( \d+ % \|){3}")  # Figure 4.6
+        self.assertRegex(text, r"\| Image 1 \| `\w+` [^|]*\| [0-9.]+ times as fast \| [0-9.e+]+ times as slow \| 1.14 \|")
+        self.assertIn("There was no", text)
+        for relation in ("bytes of object/volume over adaptive at 15", "pointers per primitive, regular at 25", "children per interior volume at 10",
+                         "N_P at 25: object/volume never more than others", "VAX ms a ray at 25", "best cut of regular by VAX ms",
+                         "rebuilding object/volume over updating it", "(Table 4.10)"):
+            self.assertIn(relation, text)
+        failing = [line for line in text.splitlines() if line.endswith("| **does not hold** |")]
+        for line in failing:  # each with what was measured about it
+            self.assertIn(f"- {line.split(' | ')[0].removeprefix('| ')}: ", text)
+        for name in ("hierarchies.json", "cuts.dat", "growth.dat", "hierarchies.gp", "tests_beach_house.png", "tests_primitives.png", "tests_plant.png"):
+            self.assertTrue((page / name).exists(), name)
+        self.assertEqual(len((page / "cuts.dat").read_text().splitlines()), 1 + 3 * 3 * 7)
+        self.assertEqual(len((page / "growth.dat").read_text().splitlines()), 1 + 7)
+
+    def test_hierarchies_draws_tests_of_any_scene(self):
+        folder = self.folder / "pictures"
+        result = self.run_alone("experiment", "hierarchies", "--picture", "tests", "--scene", SCENES / "primitives.yaml", "--width", "24", "-o", folder)
+        self.assertEqual(result.code, 0, result.stderr)
+        self.assertEqual([path.name for path in folder.iterdir()], ["tests_primitives.png"])
+        self.assertEqual(self.run_alone("experiment", "hierarchies", "--scene", SCENES / "primitives.yaml").code, 2)
+        self.assertEqual(self.run_alone("experiment", "depth", "--picture", "tests").code, 2)
+        self.assertEqual(self.run_alone("experiment", "hierarchies", "--picture", "rays").code, 2)
+        result = self.run_alone("experiment", "hierarchies", "--picture", "tests", "--scene", folder / "none.yaml", "-o", folder)
+        self.assertEqual(result.code, 3, result.stderr)
+        self.assertIn("none.yaml", result.stderr)
 
     def test_sampling_writes_its_page(self):
         # Shirley, Sung and Brown 1991, 2.2.1: errors by pattern and number of samples.

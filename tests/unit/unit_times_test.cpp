@@ -23,6 +23,25 @@ TEST(UnitTimes, AreThoseThatRaysWereMadeOf) {
   EXPECT_NEAR(largest_error(rays, times), 1.0 / 3, 1e-9);
 }
 
+TEST(UnitTimes, AreFoundInWhateverUnitsTimesAndCountsCome) {
+  for (const double second : {1e9, 1e-9}) {
+    std::vector<RayCosts> rays;
+    for (const auto& [volumes, primitives] : {std::pair{1e7, 5e3}, {4e7, 4e3}, {5e7, 3e3}, {1e6, 5e2}})
+      rays.push_back({volumes, primitives, (volumes * 0.2 + primitives * 300 + 2e6) * second});
+    const UnitTimes times = fit_unit_times(rays);
+    EXPECT_NEAR(times.step_ns / second, 0.2, 1e-6);
+    EXPECT_NEAR(times.test_ns / second, 300, 1e-3);
+    EXPECT_NEAR(times.overhead_ns / second, 2e6, 10);
+  }
+}
+
+// Rows in which steps and tests go together tell nothing of each alone: one of them stands for both.
+TEST(UnitTimes, OfRowsThatDoNotTellThemApartForetellThemAllTheSame) {
+  std::vector<RayCosts> rays;
+  for (const double n : {1e-3, 2e-3, 5e-3}) rays.push_back({n, 3 * n, 7 * n + 1e-5});
+  EXPECT_LT(largest_error(rays, fit_unit_times(rays)), 1e-6);
+}
+
 TEST(UnitTimes, AreNeverNegative) {
   // More tests, less time: no time of a test explains it.
   const std::vector<RayCosts> rays{{10, 1, 12}, {10, 2, 11}, {20, 3, 20}, {20, 4, 19}};

@@ -13,3 +13,38 @@ plot for [i=1:3] "hierarchies.dat" using (column(i+1)):xtic(1) title sprintf("Im
 set output "times.svg"
 set title "Nanoseconds that a ray takes"
 plot for [i=1:3] "hierarchies.dat" using (column(i+4)):xtic(1) title sprintf("Image %d", i)
+
+set terminal svg size 960,620 font "sans,12" background "white"
+set style data linespoints
+set xtics norotate autofreq
+set logscale x 2
+set xrange [0.9:70]
+unset ylabel
+set output "cuts.svg"
+set multiplot layout 2,3
+set key left top
+set xlabel "most primitives in a volume"
+do for [i=1:3] {
+  set title sprintf("Image %d: primitives a ray tests", i)
+  plot for [h in "adaptive thesis sah"] sprintf("< grep '^%d %s ' cuts.dat", i, h) using 3:4 title h pointtype 7 pointsize 0.5
+}
+do for [i=1:3] {
+  set title sprintf("Image %d: nanoseconds a ray", i)
+  plot for [h in "adaptive thesis sah"] sprintf("< grep '^%d %s ' cuts.dat", i, h) using 3:5 title h pointtype 7 pointsize 0.5
+}
+unset multiplot
+
+set terminal svg size 1060,400 font "sans,12" background "white"
+set logscale x 10
+set xrange [500:2e6]
+set format x "10^{%L}"
+set output "growth.svg"
+set multiplot layout 1,2
+set xlabel "triangles of the ground"
+set title "Primitives a ray tests"
+unset key
+plot for [h in "brute object regular adaptive adaptive-pointers thesis sah"] sprintf("< grep '^%s ' growth.dat", h) using 2:3 title h pointtype 7 pointsize 0.5
+set title "Nanoseconds a ray"
+set key outside right top
+plot for [h in "brute object regular adaptive adaptive-pointers thesis sah"] sprintf("< grep '^%s ' growth.dat", h) using 2:4 title h pointtype 7 pointsize 0.5
+unset multiplot

@@ -2,104 +2,174 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 
+#include "host/experiments/hierarchies/growth.h"
+#include "host/experiments/hierarchies/heat_map.h"
 #include "host/experiments/hierarchies/hierarchies_page.h"
+#include "host/experiments/hierarchies/hierarchy_plots.h"
 #include "host/experiments/page.h"
-#include "host/experiments/plots.h"
 #include "host/files/text_file.h"
 #include "host/process/exit_code.h"
 
 namespace rayfarm {
 namespace {
 
-constexpr int kSide_px = 256;  // the thesis's
+constexpr std::array<const char*, 3> kImages{"beach_house.yaml", "primitives.yaml", "plant.yaml"};
+/// Of the thesis's regular hierarchies, along an axis.
+constexpr std::array<std::array<uint32_t, 3>, 3> kCells{{{23, 25, 27}, {7, 8, 9}, {15, 16, 17}}};
+constexpr std::array<const char*, 3> kScenesOfToday{"mesh70k", "mesh1m", "instances"};
 
 struct Setting {
   const char* hierarchy;
   std::string setting;
+  uint32_t cut;  ///< as HierarchyRow's
   BuildOptions build;
+  bool has_spheres_everywhere = false;  ///< a sphere about each object, simple ones too
 };
 
 /// Of an image, from 0: cuts as in Table 4.5, and as many cells as it had.
 std::vector<Setting> make_settings(size_t image) {
-  constexpr std::array<std::array<uint32_t, 3>, 3> kCells{{{23, 25, 27}, {7, 8, 9}, {15, 16, 17}}};
   std::vector<Setting> settings;
-  for (const uint32_t cells : kCells[image])
-    settings.push_back(
-        {"regular", fmt::format("{}³ cells", cells), {.hierarchy = Hierarchy::regular, .cells = cells}});
-  for (const uint32_t cut : {25u, 15u, 10u})
-    settings.push_back(
-        {"adaptive", fmt::format("{}", cut), {.hierarchy = Hierarchy::adaptive, .max_primitives = cut}});
-  for (const uint32_t cut : {25u, 15u, 10u})
-    settings.push_back(
-        {"thesis", fmt::format("{}", cut), {.hierarchy = Hierarchy::thesis, .max_primitives = cut}});
-  for (const uint32_t cut : {25u, 15u, 8u})
-    settings.push_back({"sah", fmt::format("{}", cut), {.max_primitives = cut}});
-  settings.push_back({"brute", "", {.hierarchy = Hierarchy::brute}});
+  for (size_t i = 0; i < kThesisCuts.size(); ++i) {
+    const uint32_t cells = kCells[image][i];
+    settings.push_back({"regular",
+                        fmt::format("{}³ cells", cells),
+                        static_cast<uint32_t>(kThesisCuts[i]),
+                        {.hierarchy = Hierarchy::regular, .cells = cells}});
+  }
+  const auto add_cuts = [&](Hierarchy hierarchy, std::initializer_list<uint32_t> cuts) {
+    for (const uint32_t cut : cuts)
+      settings.push_back({kHierarchyWords[static_cast<size_t>(hierarchy)],
+                          fmt::format("{}", cut),
+                          cut,
+                          {.hierarchy = hierarchy, .max_primitives = cut}});
+  };
+  add_cuts(Hierarchy::adaptive, {25, 15, 10});
+  add_cuts(Hierarchy::thesis, {25, 15, 10});
+  for (const int cut : kThesisCuts)  // to the letter
+    settings.push_back({"thesis, spheres",
+                        fmt::format("{}", cut),
+                        static_cast<uint32_t>(cut),
+                        {.hierarchy = Hierarchy::thesis,
+                         .max_primitives = static_cast<uint32_t>(cut),
+                         .thesis = {.volumes = ThesisVolumes::spheres, .clip = ThesisClip::always}}});
+  add_cuts(Hierarchy::sah, {25, 15, 8});
+  settings.push_back({"object", "a sphere each", 0, {.hierarchy = Hierarchy::object}, true});
+  settings.push_back({"object", "best volumes", 0, {.hierarchy = Hierarchy::object}});
+  settings.push_back({"object",
+                      "best volumes, all",
+                      0,
+                      {.hierarchy = Hierarchy::object, .objects = {.order = ObjectOrder::all}}});
+  settings.push_back({"brute", "", 0, {.hierarchy = Hierarchy::brute}});
   return settings;
 }
 
-const char* const kPlots = R"(# gnuplot hierarchies.gp
-set terminal svg size 760,420 font "sans,12" background "white"
-set key right top
-set grid y
-set style data histograms
-set style fill solid 0.8
-set logscale y
-set ylabel "per ray"
-set xtics rotate by -30
-set output "tests.svg"
-set title "Primitives that a ray tests"
-plot for [i=1:3] "hierarchies.dat" using (column(i+1)):xtic(1) title sprintf("Image %d", i)
-set output "times.svg"
-set title "Nanoseconds that a ray takes"
-plot for [i=1:3] "hierarchies.dat" using (column(i+4)):xtic(1) title sprintf("Image %d", i)
-)";
+/// As the thesis has it: every object node has a bounding volume.
+SceneDescription with_spheres(SceneDescription scene) {
+  for (ObjectDescription& object : scene.objects) object.bound = {BoundChoice::sphere};
+  return scene;
+}
 
-/// The first setting of each hierarchy, image by image.
-void write_plots(const std::filesystem::path& folder, const std::vector<HierarchyRow>& rows) {
-  std::string data = "# hierarchy, primitives a ray of Images 1 to 3, nanoseconds\n";
-  for (const char* hierarchy : {"brute", "regular", "adaptive", "thesis", "sah"}) {
-    std::string tests, times;
-    for (int image = 1; image <= 3; ++image)
-      for (const HierarchyRow& row : rows)
-        if (row.image == image && row.hierarchy == hierarchy) {
-          tests += fmt::format(" {:.4g}", primitives_per_ray(row.run));
-          times += fmt::format(" {:.4g}", row.run.ns_per_ray);
-          break;
-        }
-    data += hierarchy + tests + times + "\n";
+/// Adaptive at 25, of all depths that tell it from the deepest.
+std::vector<DepthStep> measure_depths(const SceneDescription& scene, const PictureRays& rays,
+                                      const SceneFacts& facts) {
+  std::vector<DepthStep> steps;
+  for (uint32_t depth = 2; depth <= 9; ++depth)
+    steps.push_back(
+        {depth,
+         run_hierarchy(scene, {.hierarchy = Hierarchy::adaptive, .max_primitives = 25, .octree_depth = depth},
+                       rays, facts, {.builds = 1, .passes = 0})});
+  return steps;
+}
+
+ImageStudy measure_image(int image, const std::string& path, int side_px,
+                         const std::filesystem::path& scratch, std::vector<HierarchyRow>& rows) {
+  constexpr Effort kEffort{.builds = 5, .passes = 5};
+  const SceneDescription scene = load_scene(path);
+  const SceneDescription spheres = with_spheres(scene);
+  const PictureRays rays = record_rays(scene, side_px);
+  ImageStudy study;
+  study.facts = look_at_scene(scene, kEffort.builds);
+  study.kinds = rays.counts;
+  study.rays = rays.size();
+  HierarchyRun profiled;
+  for (const Setting& s : make_settings(static_cast<size_t>(image - 1))) {
+    fmt::print(stderr, "hierarchies: image {}, {} {}\n", image, s.hierarchy, s.setting);
+    rows.push_back(
+        {image, fmt::format("Image {}", image), s.hierarchy, s.setting, s.cut,
+         run_hierarchy(s.has_spheres_everywhere ? spheres : scene, s.build, rays, study.facts, kEffort)});
+    if (s.hierarchy == std::string("thesis") && s.cut == 15) profiled = rows.back().run;
   }
-  write_text_file((folder / "hierarchies.dat").string(), data);
-  draw_plots(folder, "hierarchies.gp", kPlots);
+  study.cuts = measure_cuts(rows.back().scene, scene, every_nth(rays, 4), study.facts);
+  study.depths = measure_depths(scene, every_nth(rays, 8), study.facts);
+  study.update = measure_update(scene);
+  study.profile = measure_profile(path, rays, side_px, profiled, scratch);
+  return study;
+}
+
+/// How many cells along an axis the thesis's regular hierarchy of an image has at 25; 0 for other scenes.
+uint32_t cells_of(const std::string& scene) {
+  const auto image =
+      std::find(kImages.begin(), kImages.end(), std::filesystem::path(scene).filename().string());
+  return image == kImages.end() ? 0 : kCells[static_cast<size_t>(image - kImages.begin())][0];
+}
+
+int draw_pictures(const ExperimentOptions& options) {
+  constexpr int kUsualWidth_px = 256;
+  const std::filesystem::path folder = make_page_folder(options.output),
+                              scenes = std::filesystem::path(options.scenes) / "hierarchies";
+  std::vector<std::string> files{options.scene};
+  if (options.scene.empty()) {
+    files.clear();
+    for (const char* image : kImages) files.push_back((scenes / image).string());
+  }
+  for (const std::string& scene : files)
+    fmt::print("{}\n", draw_tests(scene, folder.string(),
+                                  options.width_px > 0 ? options.width_px : kUsualWidth_px, cells_of(scene)));
+  return kComplete;
 }
 
 }  // namespace
 
 int run_hierarchies_experiment(const ExperimentOptions& options) {
+  if (options.is_picture_of_tests) return draw_pictures(options);
+  constexpr int kPicture_px = 128, kFewPixels_px = 32;
+  constexpr uint32_t kManyPrimitives = 1'000'000, kFewPrimitives = 1'000;
   const std::filesystem::path folder = make_page_folder(options.output),
                               scenes = std::filesystem::path(options.scenes) / "hierarchies";
-  const int side_px = options.width_px > 0 ? options.width_px : kSide_px;
-  const std::array<const char*, 3> images{"beach_house.yaml", "primitives.yaml", "plant.yaml"};
-  std::vector<HierarchyRow> rows;
-  for (size_t image = 0; image < images.size(); ++image) {
-    const SceneDescription scene = load_scene((scenes / images[image]).string());
-    const PictureRays rays = record_rays(scene, side_px);
-    const double list = bytes_of_list(scene);
-    for (const Setting& s : make_settings(image)) {
-      fmt::print(stderr, "hierarchies: image {}, {} {}\n", image + 1, s.hierarchy, s.setting);
-      rows.push_back(
-          {static_cast<int>(image + 1), s.hierarchy, s.setting, run_hierarchy(scene, s.build, rays, list)});
+  HierarchyStudy study;
+  if (options.width_px > 0) study.side_px = options.width_px;
+  for (size_t i = 0; i < kImages.size(); ++i)
+    study.images.push_back(measure_image(static_cast<int>(i + 1), (scenes / kImages[i]).string(),
+                                         study.side_px, folder, study.rows));
+  // Small pictures are trials of the experiment itself.
+  study.growth = measure_growth(std::min(study.side_px, 128),
+                                study.side_px > kFewPixels_px ? kManyPrimitives : kFewPrimitives);
+  for (const char* name : kScenesOfToday) {
+    const std::filesystem::path file = folder / "scenes" / (std::string(name) + ".yaml");
+    if (!std::filesystem::exists(file)) {
+      study.missing.push_back(file.string());
+      fmt::print(
+          stderr,
+          "rayfarm: there is no {}, so the page is without it; deploy/reproduce hierarchies writes it\n",
+          file.string());
+      continue;
     }
+    for (HierarchyRow& row : measure_scene_of_today(name, file.string(), study.side_px))
+      study.rows.push_back(std::move(row));
   }
-  write_text_file((folder / "hierarchies.csv").string(),
-                  format_tables({hierarchies_table(rows)}, TableFormat::csv));
-  write_text_file((folder / "hierarchies.json").string(),
-                  format_tables({hierarchies_table(rows)}, TableFormat::json));
-  write_plots(folder, rows);
-  write_text_file((folder / "README.md").string(), hierarchies_page(rows, side_px));
+  study.peer = read_peer_times(folder / "embree.csv");
+  for (const char* image : kImages)
+    draw_tests((scenes / image).string(), folder.string(), std::min(study.side_px, kPicture_px),
+               cells_of(image));
+  const Table table = hierarchies_table(study.rows);
+  write_text_file((folder / "hierarchies.csv").string(), format_tables({table}, TableFormat::csv));
+  write_text_file((folder / "hierarchies.json").string(), format_tables({table}, TableFormat::json));
+  write_plots(folder, study);
+  write_text_file((folder / "README.md").string(), hierarchies_page(study));
   fmt::print("{}\n", (folder / "README.md").string());
   return kComplete;
 }

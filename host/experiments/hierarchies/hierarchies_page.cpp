@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 
+#include "host/experiments/hierarchies/relations.h"
 #include "host/experiments/hierarchies/unit_times.h"
 
 namespace rayfarm {
 namespace {
+
+constexpr std::array kImageNames{"beach_house", "primitives", "plant"};
 
 double ratio(double a, double b) {
   return b > 0 ? a / b : 0;
@@ -18,21 +22,10 @@ double per_ray(uint64_t count, const KindCosts& kind) {
   return ratio(static_cast<double>(count), static_cast<double>(kind.rays));
 }
 
-uint64_t volumes(const WalkCounts& c) {
-  return c.cells + c.nodes + (c.cells > 0 ? 0 : c.leaves);
-}
-
-const HierarchyRow* find(const std::vector<HierarchyRow>& rows, int image, const std::string& hierarchy,
-                         const std::string& setting) {
-  const auto row = std::find_if(rows.begin(), rows.end(), [&](const HierarchyRow& r) {
-    return r.image == image && r.hierarchy == hierarchy && (setting.empty() || r.setting == setting);
-  });
-  return row == rows.end() ? nullptr : &*row;
-}
-
 std::string image_table(const std::vector<HierarchyRow>& rows, int image) {
   std::string text =
-      "| hierarchy | setting | volumes or cells | empty | pointers | thesis's bytes | bytes here | N_V | N_P "
+      "| hierarchy | setting | volumes, cells or objects | empty | pointers | thesis's bytes | bytes here | "
+      "N_V | N_P "
       "| N_P eye | "
       "secondary | shadow | ns a ray |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const HierarchyRow& row : rows) {
@@ -41,21 +34,36 @@ std::string image_table(const std::vector<HierarchyRow>& rows, int image) {
     text += fmt::format(
         "| `{}` | {} | {} | {} | {} | {:.0f} | {:.0f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.0f} "
         "|\n",
-        row.hierarchy, row.setting, r.cells > 0 ? r.cells : r.interior + r.leaves,
+        row.hierarchy, row.setting, r.cells + r.interior + r.leaves + r.objects,
         row.hierarchy == "regular" ? fmt::format("{:.0f} %", 100.0 * ratio(double(r.empty), double(r.cells)))
                                    : std::string(),
-        r.pointers, r.thesis_bytes, r.bytes, volumes_per_ray(r), primitives_per_ray(r),
+        r.pointers, r.thesis_bytes, r.bytes, r.volumes_per_ray(), r.primitives_per_ray(),
         per_ray(r.eye.counts.primitives(), r.eye), per_ray(r.secondary.counts.primitives(), r.secondary),
         per_ray(r.shadow.counts.primitives(), r.shadow), r.ns_per_ray);
   }
   return text + "\n";
 }
 
+/// N_V of adaptive may be read as nodes of its tree.
+std::string tree_nodes_text(const HierarchyStudy& study, int image) {
+  std::string text = "Nodes of the construction tree that a ray of `adaptive` looks at to find its cells, at";
+  for (const int cut : kThesisCuts) {
+    const KindCosts costs = study.run(image, Scheme::adaptive, cut).all();
+    text += fmt::format(" {}: {:.1f},", cut, per_ray(costs.counts.tree_nodes, costs));
+  }
+  text += " where the thesis's N_V is";
+  for (const int cut : kThesisCuts)
+    text += fmt::format(" {},", time_row(Scheme::adaptive, image, cut).volumes);
+  text.back() = '.';
+  return text + "\n\n";
+}
+
 std::string equation_table(const std::vector<HierarchyRow>& rows) {
   std::map<std::string, std::vector<RayCosts>> by_hierarchy;
   for (const HierarchyRow& row : rows)
-    by_hierarchy[row.hierarchy].push_back(
-        {volumes_per_ray(row.run), primitives_per_ray(row.run), row.run.ns_per_ray});
+    if (row.image > 0)
+      by_hierarchy[row.hierarchy].push_back(
+          {row.run.volumes_per_ray(), row.run.primitives_per_ray(), row.run.ns_per_ray});
   std::string text =
       "| hierarchy | rows | T_N | T_P | T_O | largest error | within 25 % "
       "|\n|---|---:|---:|---:|---:|---:|---|\n";
@@ -69,96 +77,19 @@ std::string equation_table(const std::vector<HierarchyRow>& rows) {
   return text + "\n";
 }
 
-/// A statement of the seed about numbers, and whether ours say the same.
-struct Relation {
-  std::string what, seed, ours;
-  bool holds;
-};
-
-std::vector<Relation> make_relations(const std::vector<HierarchyRow>& rows) {
-  std::vector<Relation> relations;
-  const auto run = [&](int image, const char* hierarchy, const char* setting) -> const HierarchyRun& {
-    return find(rows, image, hierarchy, setting)->run;
-  };
-  const std::array<const char*, 3> coarse{"23³ cells", "7³ cells", "15³ cells"};
-  const std::array<double, 3> seed_empty{89, 43, 53};
-  const std::array<std::array<double, 3>, 3> seed_tests{
-      {{54, 296, 314}, {4.92, 39.4, 42.1}, {19.8, 20.1, 32.3}}};
-  for (int image = 1; image <= 3; ++image) {
-    const auto i = static_cast<size_t>(image - 1);
-    const HierarchyRun &grid = run(image, "regular", coarse[i]), &volume = run(image, "thesis", "25");
-    const HierarchyRun &fine = run(image, "thesis", "10"), &list = run(image, "brute", "");
-    const double empty = 100 * ratio(double(grid.empty), double(grid.cells));
-    relations.push_back({fmt::format("Image {}: empty cells of {}", image, coarse[i]),
-                         fmt::format("{:.0f} % (± 10)", seed_empty[i]), fmt::format("{:.0f} %", empty),
-                         std::abs(empty - seed_empty[i]) <= 10});
-    const double a = primitives_per_ray(grid), b = primitives_per_ray(volume),
-                 o = primitives_per_ray(run(image, "adaptive", "25"));
-    relations.push_back(
-        {fmt::format("Image {}: N_P at 25 rises: object/volume, adaptive, regular", image),
-         fmt::format("{:.1f}, {:.1f}, {:.1f}", seed_tests[i][0], seed_tests[i][1], seed_tests[i][2]),
-         fmt::format("{:.1f}, {:.1f}, {:.1f}", b, o, a), b <= o && o <= a});
-    relations.push_back({fmt::format("Image {}: N_P at 25, object/volume against all of what is met", image),
-                         "less", fmt::format("{:.1f}, {:.0f}", b, primitives_per_ray(list)),
-                         primitives_per_ray(list) > b});
-    if (image == 2) continue;  // a single volume at every cut in the seed
-    relations.push_back({fmt::format("Image {}: a smaller cut: N_V up, N_P down (25 to 10)", image),
-                         "up, down",
-                         fmt::format("{:.1f} to {:.1f}, {:.1f} to {:.1f}", volumes_per_ray(volume),
-                                     volumes_per_ray(fine), b, primitives_per_ray(fine)),
-                         volumes_per_ray(fine) > volumes_per_ray(volume) && primitives_per_ray(fine) < b});
-    const auto add_bytes = [&](const char* of, double seed, const HierarchyRun& other) {
-      constexpr double kFactor = 1.5;  // scenes are rebuilt
-      const double bytes = ratio(volume.thesis_bytes, other.thesis_bytes);
-      relations.push_back({fmt::format("Image {}: bytes of object/volume over {} at 25", image, of),
-                           fmt::format("{:.2f} (times or over 1.5)", seed), fmt::format("{:.2f}", bytes),
-                           bytes < kFactor * seed && bytes > seed / kFactor});
-    };
-    add_bytes("regular", image == 1 ? 0.20 : 0.77, grid);
-    add_bytes("adaptive", image == 1 ? 0.25 : 1.14, run(image, "adaptive", "25"));
-  }
-  return relations;
-}
-
-std::string relations_table(const std::vector<HierarchyRow>& rows) {
-  std::string text = "| relation | the thesis | here | |\n|---|---|---|---|\n";
-  for (const Relation& r : make_relations(rows))
-    text += fmt::format("| {} | {} | {} | {} |\n", r.what, r.seed, r.ours,
-                        r.holds ? "holds" : "**does not hold**");
-  return text + "\n";
-}
-
-std::string choice_text(const std::vector<HierarchyRow>& rows) {
-  std::string text;
-  for (int image = 1; image <= 3; ++image) {
-    const HierarchyRow* best = nullptr;
-    for (const HierarchyRow& row : rows)
-      if (row.image == image && (!best || row.run.ns_per_ray < best->run.ns_per_ray)) best = &row;
-    const HierarchyRow* list = find(rows, image, "brute", "");
-    text += fmt::format("- Image {}: `{}` {}, {:.0f} ns a ray, {:.1f} times as fast as testing all.\n", image,
-                        best->hierarchy, best->setting, best->run.ns_per_ray,
-                        ratio(list->run.ns_per_ray, best->run.ns_per_ray));
-  }
-  return text;
-}
-
 }  // namespace
 
-double volumes_per_ray(const HierarchyRun& r) {
-  return ratio(
-      static_cast<double>(volumes(r.eye.counts) + volumes(r.secondary.counts) + volumes(r.shadow.counts)),
-      static_cast<double>(r.eye.rays + r.secondary.rays + r.shadow.rays));
-}
-
-double primitives_per_ray(const HierarchyRun& r) {
-  return ratio(static_cast<double>(r.eye.counts.primitives() + r.secondary.counts.primitives() +
-                                   r.shadow.counts.primitives()),
-               static_cast<double>(r.eye.rays + r.secondary.rays + r.shadow.rays));
+const HierarchyRun& HierarchyStudy::run(int image, const std::string& hierarchy, uint32_t cut) const {
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const HierarchyRow& r) {
+    return r.image == image && r.hierarchy == hierarchy && (cut == 0 || r.cut == cut);
+  });
+  if (row == rows.end()) throw std::logic_error("no such hierarchy was measured");
+  return row->run;
 }
 
 Table hierarchies_table(const std::vector<HierarchyRow>& rows) {
   Table table{"hierarchies",
-              {"image",
+              {"scene",
                "hierarchy",
                "setting",
                "primitives",
@@ -167,9 +98,10 @@ Table hierarchies_table(const std::vector<HierarchyRow>& rows) {
                "leaves",
                "cells",
                "empty",
+               "objects",
                "thesis_bytes",
                "bytes",
-               "build_s",
+               "build_cpu_s",
                "eye_rays",
                "secondary_rays",
                "shadow_rays",
@@ -178,11 +110,19 @@ Table hierarchies_table(const std::vector<HierarchyRow>& rows) {
                "eye_primitives",
                "secondary_primitives",
                "shadow_primitives",
+               "groups_and_objects_entered",
+               "bounding_volumes_tested",
+               "type_1_rays",
+               "type_2_rays",
+               "type_3_rays",
+               "hits",
+               "answers",
                "ns_per_ray"},
               {}};
   for (const HierarchyRow& row : rows) {
     const HierarchyRun& r = row.run;
-    table.rows.push_back({double(row.image),
+    const KindCosts all = r.all();
+    table.rows.push_back({row.scene,
                           row.hierarchy,
                           row.setting,
                           double(r.primitives),
@@ -191,60 +131,83 @@ Table hierarchies_table(const std::vector<HierarchyRow>& rows) {
                           double(r.leaves),
                           double(r.cells),
                           double(r.empty),
+                          double(r.objects),
                           r.thesis_bytes,
                           r.bytes,
-                          r.build_s,
+                          r.build_cpu_s,
                           double(r.eye.rays),
                           double(r.secondary.rays),
                           double(r.shadow.rays),
-                          volumes_per_ray(r),
-                          primitives_per_ray(r),
+                          r.volumes_per_ray(),
+                          r.primitives_per_ray(),
                           per_ray(r.eye.counts.primitives(), r.eye),
                           per_ray(r.secondary.counts.primitives(), r.secondary),
                           per_ray(r.shadow.counts.primitives(), r.shadow),
+                          per_ray(all.counts.groups + all.counts.objects, all),
+                          per_ray(all.counts.bounding_volumes(), all),
+                          double(all.types[0]),
+                          double(all.types[1]),
+                          double(all.types[2]),
+                          double(all.hits),
+                          fmt::format("{:016x}", all.answers),
                           r.ns_per_ray});
   }
   return table;
 }
 
-std::string hierarchies_page(const std::vector<HierarchyRow>& rows, int side_px) {
+std::string hierarchies_page(const HierarchyStudy& study) {
   std::string text = fmt::format(
       "# Hierarchies\n\nWritten by `rayfarm experiment hierarchies`; `deploy/reproduce hierarchies` runs it "
-      "again. The thesis's "
-      "three images ([rebuilt](../../../scenes/hierarchies/README.md)), {0} × {0} pixels with a ray through "
-      "each corner, in "
-      "Whitted's model. The rays of a picture were written down once, eye, secondary and shadow rays apart, "
-      "and every "
-      "hierarchy was asked the same. N_V: nodes and leaves, or cells, that a ray visits (of `adaptive` the "
-      "undivided ones; its volumes are nodes of the construction tree); N_P: primitives "
-      "that it tests, a polygon "
-      "being one (the thesis's Table 4.7). Bytes are those of Table 4.5's formulas, without the object "
-      "nodes, and ours: nodes, "
-      "cells, lists, and primitives in leaves beyond one of each. Times are the least of three runs through "
-      "all rays, one by one "
-      "on one core; ours are tested eight at a time in `sah`, `thesis` and `brute`, and one by one in "
-      "cells.\n\n",
-      side_px);
-  for (int image = 1; image <= 3; ++image) {
-    const HierarchyRun& r = find(rows, image, "brute", "")->run;
-    text += fmt::format("## Image {}\n\n{} primitives; {} eye rays, {} secondary, {} shadow rays.\n\n", image,
+      "again. "
+      "The thesis's three images ([rebuilt](../../../scenes/hierarchies/README.md)), {0} × {0} pixels with a "
+      "ray "
+      "through each corner, in Whitted's model. The rays of a picture were written down once, eye, secondary "
+      "and "
+      "shadow rays apart, and every hierarchy was asked the same. N_V: nodes and leaves, or cells, that a "
+      "ray visits "
+      "(of `adaptive` the undivided ones; its volumes are nodes of the construction tree), or of `object` "
+      "N_O, objects "
+      "and groups that are looked at, met or missed; N_P: primitives that it tests, a polygon being one (the "
+      "thesis's "
+      "Table 4.7). Bytes are those of Table 4.5's formulas, with the object nodes where the thesis has them, "
+      "and ours: "
+      "nodes, cells, lists, and primitives in leaves beyond one of each. Times are the least of five passes "
+      "through "
+      "all rays, one by one on one core; primitives are tested eight at a time in `sah`, `thesis`, `object` "
+      "and "
+      "`brute`, and one by one in cells.\n\n",
+      study.side_px);
+  for (size_t i = 0; i < study.images.size(); ++i) {
+    const HierarchyRun& r = study.run(static_cast<int>(i + 1), "brute", 0);
+    text += fmt::format("## Image {}\n\n{} primitives; {} eye rays, {} secondary, {} shadow rays.\n\n", i + 1,
                         r.primitives, r.eye.rays, r.secondary.rays, r.shadow.rays);
-    text += image_table(rows, image);
+    text += image_table(study.rows, static_cast<int>(i + 1));
+    text += tree_nodes_text(study, static_cast<int>(i + 1));
+    text += fmt::format("![tests per pixel of Image {}](tests_{}.png)\n\n", i + 1, kImageNames[i]);
   }
-  text += "![tests per ray](tests.svg)\n\n![time per ray](times.svg)\n\n## What holds\n\n" +
-          relations_table(rows) +
-          "Of a quadric the piece in a cell is taken to be as large as its box: the sky of Image 2 is one, "
-          "and stands in all cells. "
-          "Pointers to primitives with a part in a cell are fewer in large equal cells than the thesis's; "
-          "its scenes are not known.\n\n";
   text +=
-      "## Equation 4.5\n\nA ray's time is N_V · T_N + N_P · T_P + T_O. The unit times that foretell the rows "
-      "above best, by least "
-      "squares of relative errors:\n\n" +
-      equation_table(rows) +
-      "Where primitives are tested eight at a time, T_P is an eighth of a block's, if blocks are full.\n\n## "
-      "Which now\n\n" +
-      choice_text(rows) + "\n`hierarchies.csv` has all numbers, with seconds of building.\n";
+      "![tests per ray](tests.svg)\n\n![time per ray](times.svg)\n\nThe heat maps show how many primitives "
+      "the rays of each pixel test, eye, secondary and shadow rays "
+      "together, one ray through a pixel, `adaptive` and `thesis` at 15, `regular` with the first number of "
+      "cells above; "
+      "`rayfarm experiment hierarchies --picture tests` draws them larger, and of any scene with "
+      "`--scene`.\n\n## What "
+      "holds\n\nObject/volume is `thesis` to the letter here: `--thesis-volumes spheres --thesis-clip "
+      "always`. Orders of numbers, and ratios "
+      "within the factor 1.5, since the scenes are rebuilt. \"VAX ms\" puts the counts of this page into "
+      "Equations "
+      "4.4 and 4.5 with the thesis's unit times: T_P .303 ms; T_N .102, .216 and .245 ms of regular, "
+      "adaptive and "
+      "object/volume; T_O 0, .05 and .153 · N_O ms, T_B + T_L .153 ms.\n\n" +
+      relations_text(make_relations(study)) +
+      "## Equations 4.4 and 4.5\n\nA ray's time is N_V · T_N + N_P · T_P + T_O; of objects N_O (T_B + T_L) + "
+      "N_P · "
+      "T_P. The unit times that foretell the rows above best, by least squares of relative errors:\n\n" +
+      equation_table(study.rows) +
+      "Where primitives are tested eight at a time, T_P is an eighth of a block's, if blocks are full. Rows "
+      "of `object` differ in the kinds of volumes too, which one T_B + T_L does not tell apart.\n\n" +
+      construction_text(study) + profile_text(study) + today_text(study) +
+      "`hierarchies.csv` has all numbers.\n";
   return text;
 }
 

@@ -25,6 +25,14 @@ std::optional<Row> solve(std::span<const RayCosts> rays, unsigned used) {
       m[i][3] += row[i];
     }
   }
+  // In units in which all unknowns weigh the same, so that what is left of a pivot tells about the rows.
+  Row unit{1, 1, 1};
+  for (size_t i = 0; i < 3; ++i)
+    if (m[i][i] > 0) unit[i] = std::sqrt(m[i][i]);
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t k = 0; k < 3; ++k) m[i][k] /= unit[i] * unit[k];
+    m[i][3] /= unit[i];
+  }
   for (size_t i = 0; i < 3; ++i)
     if (!(used >> i & 1)) {
       for (size_t k = 0; k < 3; ++k) m[i][k] = m[k][i] = 0;
@@ -43,7 +51,7 @@ std::optional<Row> solve(std::span<const RayCosts> rays, unsigned used) {
       for (size_t k = i; k < 4; ++k) m[j][k] -= factor * m[i][k];
     }
   }
-  return Row{m[0][3] / m[0][0], m[1][3] / m[1][1], m[2][3] / m[2][2]};
+  return Row{m[0][3] / m[0][0] / unit[0], m[1][3] / m[1][1] / unit[1], m[2][3] / m[2][2] / unit[2]};
 }
 
 }  // namespace
