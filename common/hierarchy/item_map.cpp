@@ -8,6 +8,10 @@ namespace {
 /// In front of the eye lies what is no nearer to its plane than this share of its own distance.
 constexpr double kLeastDepth = 1e-9;
 
+double square(const Vec3& v) {
+  return glm::dot(v, v);
+}
+
 std::array<Vec3, 8> corners_of(const Box& box) {
   std::array<Vec3, 8> corners;
   for (size_t i = 0; i < 8; ++i)
@@ -51,12 +55,13 @@ std::optional<ItemMap::Projection> ItemMap::project(const Vec3& p) const {
 std::optional<ItemMap::Footprint> ItemMap::footprint(std::span<const Vec3> points) const {
   const ViewPoints& all = view_.points;
   double x0 = all.x1, x1 = all.x0 - 1, y0 = all.y1, y1 = all.y0 - 1;
+  const double least = kLeastDepth * kLeastDepth * square(forward_);
   size_t behind = 0;
   bool is_near = false;
   for (const Vec3& v : points) {
     const double depth = glm::dot(v, forward_);
     if (depth <= 0) ++behind;
-    if (!(depth > kLeastDepth * glm::length(v) * glm::length(forward_))) {
+    if (!(depth > 0 && depth * depth > least * square(v))) {
       is_near = true;
       continue;
     }
@@ -84,23 +89,26 @@ void ItemMap::draw_triangle(const std::array<Vec3, 3>& corners, const Item& item
   if (!(std::abs(volume) > 0)) return;  // seen edge-on, or of no numbers
   const std::optional<Footprint> seen = footprint(corners);
   if (!seen) return;
+  const double inverse_volume = 1 / volume;
   std::array<Linear, 3> shares;
+  std::array<double, 3> x_per_share;
   Linear inverse_depth{0, 0, 0};
   for (size_t i = 0; i < 3; ++i) {
-    const Linear share = linear(across[i]);
-    shares[i] = {share.at / volume, share.per_x / volume, share.per_y / volume};
+    shares[i] = linear(inverse_volume * across[i]);
+    x_per_share[i] = 1 / shares[i].per_x;
     inverse_depth.at += shares[i].at;
     inverse_depth.per_x += shares[i].per_x;
     inverse_depth.per_y += shares[i].per_y;
   }
   for (int y = seen->y0; y <= seen->y1; ++y) {
     double first = seen->x0, last = seen->x1;
-    for (const Linear& share : shares) {
+    for (size_t i = 0; i < 3; ++i) {
+      const Linear& share = shares[i];
       const double at = share.at + y * share.per_y;
       if (share.per_x > 0)
-        first = std::max(first, std::ceil(-at / share.per_x));
+        first = std::max(first, std::ceil(-at * x_per_share[i]));
       else if (share.per_x < 0)
-        last = std::min(last, std::floor(-at / share.per_x));
+        last = std::min(last, std::floor(-at * x_per_share[i]));
       else if (!(at >= 0))
         last = first - 1;
     }
