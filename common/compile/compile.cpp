@@ -11,6 +11,7 @@
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
 #include "common/hierarchy/cells.h"
+#include "common/hierarchy/ray_coherence.h"
 #include "common/scene/references.h"
 
 namespace rayfarm {
@@ -231,6 +232,33 @@ void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOp
   add(idle_groups, "group", "the scene's groups were not asked for as clusters");
 }
 
+/// How rays are traced, where that changes nothing.
+void add_notes_of_tracing(const SceneDescription& description, const BuildOptions& options, Purpose purpose,
+                          const Scene& scene, Notes& notes) {
+  if (purpose == Purpose::library) {
+    if (options.has_last_hit || options.ray_coherence > 0)
+      notes.add(description.source(),
+                "`--last-hit` and `--ray-coherence` act while pictures are traced, and change nothing here");
+    return;
+  }
+  if (options.ray_coherence == 0) return;
+  const std::vector<Candidate> candidates = candidates_of(scene);
+  const auto wholes =
+      std::count_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.is_whole; });
+  if (candidates.empty())
+    notes.add(
+        description.source(),
+        fmt::format("`--ray-coherence` changes nothing here: it lists primitives that never move, {} of "
+                    "them at most, and in an `object` hierarchy no object of more than {}",
+                    kMostCandidates, kMostPrimitivesApart));
+  else if (wholes > 0)
+    notes.add(description.source(),
+              fmt::format("of `--ray-coherence`: {} object{} of more than {} primitives {} listed as {}, in "
+                          "which rays are searched in the usual way",
+                          wholes, wholes == 1 ? "" : "s", kMostPrimitivesApart, wholes == 1 ? "is" : "are",
+                          wholes == 1 ? "a whole" : "wholes"));
+}
+
 /// Options of hierarchies that are not the one that was asked for.
 void add_notes_of_idle_options(const SceneDescription& description, const BuildOptions& options,
                                Purpose purpose, const Scene& scene, size_t built, Notes& notes) {
@@ -283,6 +311,10 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   arrays.header.resize(1);
   arrays.header[0].background = description.background;
   arrays.header[0].ambient = description.ambient;
+  if (purpose == Purpose::pictures) {
+    arrays.header[0].has_last_hit = options.has_last_hit ? 1 : 0;
+    arrays.header[0].ray_coherence = glm::radians(options.ray_coherence);
+  }
   add_view(arrays, description);
   add_materials(arrays, description, purpose);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
@@ -308,6 +340,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   parts.add_notes(result.notes);
   add_notes_of_built(description, options, result.notes);
   add_notes_of_idle_options(description, options, purpose, result.scene, parts.built(), result.notes);
+  add_notes_of_tracing(description, options, purpose, result.scene, result.notes);
   if (purpose == Purpose::library)
     add_notes_of_idle(description, result.notes);
   else

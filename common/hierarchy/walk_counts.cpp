@@ -3,7 +3,7 @@
 // For one target: what is counted does not depend on it.
 #include <hwy/highway.h>
 
-#include "common/hierarchy/collections-inl.h"
+#include "common/hierarchy/remembered-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -30,6 +30,13 @@ class Counting : public Search {
   }
   void count_tree_node() { ++counts_->tree_nodes; }
   void count_chain_step() { ++counts_->chain_steps; }
+  void count_last_hit_test() { ++counts_->last_hit_tests; }
+  void count_last_hit() { ++counts_->last_hits; }
+  void count_coherent_ray(bool has_new_list) {
+    ++counts_->coherent_rays;
+    counts_->lists += has_new_list;
+  }
+  void count_candidate() { ++counts_->candidates; }
   void count_saved_test() { ++counts_->saved_tests; }
   void count(const BoundingVolume& volume) { ++counts_->bounds[static_cast<size_t>(volume.kind)]; }
   void count(const BoundingNode& node) {
@@ -105,7 +112,7 @@ Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, Wa
   Hit hit;
   hit.t = ray.t_max;
   Counting<ClosestHit> search(counts, scene, hit);
-  search_for_one(scene, pose, PreparedRay(ray), search);
+  search_scene(scene, pose, PreparedRay(ray), search);
   search.finish();
   return hit;
 }
@@ -113,7 +120,8 @@ Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, Wa
 bool any_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts) {
   using namespace HWY_NAMESPACE;
   Counting<AnyHit> search(counts, scene, ray.t_max);
-  return search_for_one(scene, pose, PreparedRay(ray), search);
+  search_scene(scene, pose, PreparedRay(ray), search);
+  return search.is_over();
 }
 
 }  // namespace rayfarm

@@ -217,6 +217,10 @@ void check_motion(const Scene& s) {
 
 void check_scene(const Scene& scene) {
   require(scene.header.size() == 1, "the header");
+  constexpr double kRightAngle = 1.5707963267948966;
+  require(scene.head().has_last_hit <= 1 && scene.head().ray_coherence >= 0 &&
+              scene.head().ray_coherence < kRightAngle,
+          "how rays are traced");
   check_motion(scene);
   check_hierarchy(scene);
   check_leaves(scene);

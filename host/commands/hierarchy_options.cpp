@@ -62,6 +62,12 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.choice<BoundsFor>("--bounds-for", objects.bounds_for, choices<BoundsFor>(kBoundsForWords),
                             "of object: best for rays from anywhere, or for those from the eye at the first "
                             "frame (default: all)");
+  options.flag(
+      "--last-hit", build.has_last_hit,
+      "a ray is first tested with what the last one of its kind hit, and then searched as far as that");
+  options.number("--ray-coherence", build.ray_coherence, 0, kMostRayCoherence,
+                 "the half angle in degrees of the cones of directions for which it is listed what rays "
+                 "from a primitive can meet; 0: no lists (default: 0)");
 }
 
 }  // namespace rayfarm
