@@ -150,16 +150,17 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
   collection.triangle_block_count = count_behind(arrays.triangle_blocks, collection.first_triangle_block);
   collection.sphere_block_count = count_behind(arrays.sphere_blocks, collection.first_sphere_block);
   collection.leaf_primitive_count = count_behind(arrays.leaf_primitives, collection.first_leaf_primitive);
+  if (has_volumes || options.hierarchy == Hierarchy::brute) return collection;
   if (options.hierarchy == Hierarchy::object) {
     if (placed) {
       *placed = std::move(objects);
-    } else {
-      collection.structure = Structure::object;
-      collection.tree =
-          build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
+      return collection;
     }
+    collection.structure = Structure::object;
+    collection.tree =
+        build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
+    return collection;
   }
-  if (options.hierarchy != Hierarchy::regular && options.hierarchy != Hierarchy::adaptive) return collection;
   const std::vector<PrimitivePointer> pointers = pointers_to(primitives, collection);
   const Scene packed = view_of(arrays);
   const PointedPrimitives whole(packed, pointers);
