@@ -65,9 +65,10 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.flag(
       "--last-hit", build.has_last_hit,
       "a ray is first tested with what the last one of its kind hit, and then searched as far as that");
-  options.number("--ray-coherence", build.ray_coherence, 0, kMostRayCoherence,
+  constexpr double kLeastRayCoherence = 0.1;
+  options.number("--ray-coherence", build.ray_coherence, kLeastRayCoherence, kMostRayCoherence,
                  "the half angle in degrees of the cones of directions for which it is listed what rays "
-                 "from a primitive can meet; 0: no lists (default: 0)");
+                 "from a primitive can meet (default: no lists)");
 }
 
 }  // namespace rayfarm

@@ -257,6 +257,7 @@ TEST(RayMemory, DamagedSwitchesAreRefused) {
   EXPECT_TRUE(is_refused(2, 0));
   EXPECT_TRUE(is_refused(0, -0.1));
   EXPECT_TRUE(is_refused(0, 1.6));
+  EXPECT_TRUE(is_refused(0, 1e-9));  // more cells than can be counted
   EXPECT_TRUE(is_refused(0, NAN));
 }
 
