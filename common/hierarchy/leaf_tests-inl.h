@@ -49,6 +49,7 @@ class ClosestHit {
   static bool is_over() { return false; }
   /// Of the closest hit so far.
   HitPlace place() const { return {hit_->instance, place_}; }
+  double distance() const { return hit_->t; }
   /// Of the closest hit so far: only as near as that is anything sought.
   void forget_all_but_distance() {
     const double t = hit_->t;

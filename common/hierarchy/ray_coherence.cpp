@@ -94,7 +94,6 @@ std::vector<Candidate> candidates_of(const Scene& scene) {
 
 RayCoherence::RayCoherence(const Scene& scene)
     : blocks_(scene.triangle_blocks), candidates_(candidates_of(scene)) {
-  recent_.fill(kNone);
   cells_ = static_cast<uint32_t>(std::ceil(std::sqrt(2) / std::tan(scene.head().ray_coherence)));
   for (uint32_t i = 0; i < candidates_.size(); ++i) {
     const HitPlace& place = candidates_[i].place;
@@ -102,7 +101,7 @@ RayCoherence::RayCoherence(const Scene& scene)
   }
 }
 
-void RayCoherence::note_hit(const HitPlace& place) {
+void RayCoherence::note_hit(const HitPlace& place, const Vec3& origin, const Vec3& point) {
   uint32_t bits = place.place.bits;
   if (place.place.kind() == PointerKind::triangle) {  // the first of those that stand side by side
     const auto id_at = [&](uint32_t i) { return blocks_[i / 8].primitives[i % 8]; };
@@ -110,32 +109,38 @@ void RayCoherence::note_hit(const HitPlace& place) {
   }
   auto found = by_place_.find(key_of(place.instance, bits));
   if (found == by_place_.end()) found = by_place_.find(key_of(place.instance, kNone));
-  if (found == by_place_.end() || recent_[last_] == found->second) return;
-  last_ = (last_ + 1) % recent_.size();
-  recent_[last_] = found->second;
+  if (found == by_place_.end()) return;
+  constexpr double kNear = 1e-6;  // far more than a ray's origin is moved off the surface
+  last_ = (last_ + 1) % arrivals_.size();
+  arrivals_[last_] = {found->second, point, kNear * (max_magnitude(origin) + max_magnitude(point))};
+}
+
+uint32_t RayCoherence::find_start(const Vec3& origin) const {
+  for (size_t i = 0; i < arrivals_.size(); ++i) {  // the last first
+    const Arrival& arrival = arrivals_[(last_ + arrivals_.size() - i) % arrivals_.size()];
+    if (arrival.candidate == kNone || !(max_magnitude(origin - arrival.point) <= arrival.tolerance)) continue;
+    // What is listed is right for any ray that begins in the ball.
+    const Ball& ball = candidates_[arrival.candidate].ball;
+    const Vec3 way = origin - ball.center;
+    if (glm::dot(way, way) <= ball.radius * ball.radius) return arrival.candidate;
+  }
+  return kNone;
 }
 
 const RayCoherence::List* RayCoherence::find(const Vec3& origin, const Vec3& direction, bool& is_new) {
   is_new = false;
-  uint32_t from = kNone;  // the smallest ball that holds the origin, whichever primitive the ray comes from
-  for (const uint32_t candidate : recent_) {
-    if (candidate == kNone) continue;
-    const Ball& ball = candidates_[candidate].ball;
-    const Vec3 way = origin - ball.center;
-    if (glm::dot(way, way) <= ball.radius * ball.radius &&
-        (from == kNone || ball.radius < candidates_[from].ball.radius))
-      from = candidate;
-  }
+  const uint32_t from = find_start(origin);
   if (from == kNone) return nullptr;
-  const uint32_t cell = cell_of(direction);
-  const auto found = lists_.find(key_of(from, cell));
-  if (found != lists_.end()) return &found->second;
-  if (listed_ >= kMostListed) return nullptr;
-  is_new = true;
-  List& list = lists_[key_of(from, cell)] = make_list(candidates_[from], cell);
-  constexpr size_t kOfListItself = 8;
-  listed_ += list.size() + kOfListItself;
-  return &list;
+  const uint64_t key = key_of(from, cell_of(direction));
+  auto found = lists_.find(key);
+  if (found == lists_.end()) {
+    if (listed_ >= kMostListed) return nullptr;
+    is_new = true;
+    found = lists_.emplace(key, make_list(candidates_[from], static_cast<uint32_t>(key))).first;
+    constexpr size_t kOfListItself = 8;
+    listed_ += found->second.size() + kOfListItself;
+  }
+  return found->second.empty() ? nullptr : &found->second;
 }
 
 uint32_t RayCoherence::cell_of(const Vec3& direction) const {
@@ -172,6 +177,7 @@ RayCoherence::List RayCoherence::make_list(const Candidate& from, uint32_t cell)
     const Vec3 way = ball.center - from.ball.center;
     const double d = glm::length(way), r = from.ball.radius + ball.radius;
     if (d > r && angle(middle, way) > half_angle + std::asin(r / d) + kMargin) continue;
+    if (list.size() == kMostInList) return {};
     const double least = d > r ? (d - r) * (1 - kMargin) : 0;
     list.push_back({round_down(least), i});
   }

@@ -9,6 +9,7 @@
 
 #include "common/hierarchy/bounding_volumes.h"
 #include "common/hierarchy/hit_place.h"
+#include "common/math/ray_packet.h"
 #include "common/scene/scene.h"
 
 namespace rayfarm {
@@ -17,6 +18,8 @@ namespace rayfarm {
 inline constexpr size_t kMostPrimitivesApart = 4096;
 /// With more candidates than that there are no lists.
 inline constexpr size_t kMostCandidates = 1 << 16;
+/// Longer lists are not kept: the usual search is faster.
+inline constexpr size_t kMostInList = 64;
 /// What a thread's lists hold at most, in all.
 inline constexpr size_t kMostListed = 1 << 22;
 
@@ -43,26 +46,35 @@ class RayCoherence {
 
   explicit RayCoherence(const Scene& scene);
 
-  /// What a ray can meet of what never moves; null: it begins at nothing that was hit lately, or memory is
-  /// used up. `is_new` tells whether the list was made for it.
+  /// What a ray can meet of what never moves; null: it begins at nothing that was hit lately, or could meet
+  /// too much, or memory is used up. `is_new` tells whether the list was made for it.
   const List* find(const Vec3& origin, const Vec3& direction, bool& is_new);
   const Candidate& operator[](uint32_t candidate) const { return candidates_[candidate]; }
-  /// Rays are expected to begin there.
-  void note_hit(const HitPlace& place);
+  /// A ray from `origin` hit `place` at `point`; others are expected to begin there.
+  void note_hit(const HitPlace& place, const Vec3& origin, const Vec3& point);
 
  private:
+  /// Where a ray arrived.
+  struct Arrival {
+    uint32_t candidate = kNone;
+    Vec3 point{0};
+    double tolerance = 0;  ///< rays that begin so near begin there
+  };
+  /// The candidate that a ray begins at; kNone: at none.
+  uint32_t find_start(const Vec3& origin) const;
   /// Which of the directions' cells: squares of equal size on a cube about the origin.
   uint32_t cell_of(const Vec3& direction) const;
+  /// Empty if it would be too long.
   List make_list(const Candidate& from, uint32_t cell) const;
 
   std::span<const TriangleBlock> blocks_;
   std::vector<Candidate> candidates_;
-  std::unordered_map<uint64_t, uint32_t> by_place_;  ///< candidates, by instance << 32 | bits of the place
-  uint32_t cells_;                                   ///< along an edge of the cube
-  std::array<uint32_t, 16> recent_;                  ///< candidates that were hit
-  size_t last_ = 0;                                  ///< of those
-  std::unordered_map<uint64_t, List> lists_;         ///< by candidate << 32 | cell
-  size_t listed_ = 0;                                ///< in all lists
+  std::unordered_map<uint64_t, uint32_t> by_place_;    ///< candidates, by instance << 32 | bits of the place
+  uint32_t cells_;                                     ///< along an edge of the cube
+  std::array<Arrival, 2 * kMostPacketRays> arrivals_;  ///< of the last rays
+  size_t last_ = 0;                                    ///< of them
+  std::unordered_map<uint64_t, List> lists_;  ///< by candidate << 32 | cell; empty: it would be too long
+  size_t listed_ = 0;                         ///< in all lists
 };
 
 }  // namespace rayfarm

@@ -52,8 +52,11 @@ HWY_NOINLINE bool search_candidates(const Scene& scene, const Pose& pose, const 
                                     RayCoherence& coherence, Search& search) {
   bool is_new;
   const RayCoherence::List* const list = coherence.find(ray.origin_vector(), ray.direction_vector(), is_new);
+  if constexpr (Search::kCounts) {
+    if (is_new) search.count_list();
+  }
   if (!list) return false;
-  if constexpr (Search::kCounts) search.count_coherent_ray(is_new);
+  if constexpr (Search::kCounts) search.count_coherent_ray();
   const double length = glm::length(ray.direction_vector());
   for (const RayCoherence::Listed& listed : *list) {
     if (listed.least_distance > search.t_far() * length) break;
@@ -75,8 +78,8 @@ HWY_INLINE HitPlace& last_of(RayMemory& memory) {
 
 /// Before a ray is searched in the scene's way; true: it needs no such search any more.
 template <typename Search>
-HWY_NOINLINE bool begin_search(const Scene& scene, const Pose& pose, const PreparedRay& ray, Search& search) {
-  RayMemory& memory = RayMemory::of_this_thread(scene);
+HWY_NOINLINE bool begin_search(const Scene& scene, const Pose& pose, const PreparedRay& ray,
+                               RayMemory& memory, Search& search) {
   const HitPlace& last = last_of<Search>(memory);
   if (scene.head().has_last_hit != 0 && last.instance != kNone) {
     if constexpr (Search::kCounts) search.count_last_hit_test();
@@ -91,45 +94,62 @@ HWY_NOINLINE bool begin_search(const Scene& scene, const Pose& pose, const Prepa
 
 /// When the ray is searched.
 template <typename Search>
-HWY_NOINLINE void end_search(const Scene& scene, Search& search) {
+HWY_NOINLINE void end_search(const Scene& scene, const Vec3& origin, const Vec3& direction, RayMemory& memory,
+                             Search& search) {
   const HitPlace place = search.place();
   if (place.instance == kNone) return;
-  RayMemory& memory = RayMemory::of_this_thread(scene);
-  if (memory.coherence && Search::kNearestFirst) memory.coherence->note_hit(place);
+  if constexpr (Search::kNearestFirst) {
+    if (memory.coherence) memory.coherence->note_hit(place, origin, origin + search.distance() * direction);
+  }
   if constexpr (Search::kCounts) {
     if (scene.head().has_last_hit != 0 && last_of<Search>(memory) == place) search.count_last_hit();
   }
   last_of<Search>(memory) = place;
 }
 
+/// One ray in the whole scene, with what this thread remembers.
+template <typename Search>
+HWY_NOINLINE void search_remembering(const Scene& scene, const Pose& pose, const PreparedRay& ray,
+                                     Search& search) {
+  RayMemory& memory = RayMemory::of_this_thread(scene);
+  if (!begin_search(scene, pose, ray, memory, search)) search_for_one(scene, pose, ray, search);
+  end_search(scene, ray.origin_vector(), ray.direction_vector(), memory, search);
+}
+
 /// One ray in the whole scene.
 template <typename Search>
 HWY_INLINE void search_scene(const Scene& scene, const Pose& pose, const PreparedRay& ray, Search& search) {
-  if (HWY_LIKELY(!scene.tracing) || !begin_search(scene, pose, ray, search))
-    search_for_one(scene, pose, ray, search);
-  if (HWY_UNLIKELY(scene.tracing != nullptr)) end_search(scene, search);
+  if (HWY_UNLIKELY(scene.tracing != nullptr)) {
+    search_remembering(scene, pose, ray, search);
+    return;
+  }
+  search_for_one(scene, pose, ray, search);
 }
 
-/// Returns those of the packet's rays `among` that still need a search.
+/// Those `among` a packet's rays in the whole scene, with what this thread remembers.
 template <typename Search>
-HWY_NOINLINE uint32_t begin_searches(const Scene& scene, const Pose& pose, const RayPacket& rays,
+HWY_NOINLINE void search_remembering(const Scene& scene, const Pose& pose, const RayPacket& rays,
                                      uint32_t among, Search* searches) {
-  for (uint32_t rest = among; rest; rest &= rest - 1) {
-    const auto i = static_cast<size_t>(std::countr_zero(rest));
-    if (begin_search(scene, pose, PreparedRay(rays, i), searches[i])) among &= ~(1u << i);
-  }
-  return among;
+  RayMemory& memory = RayMemory::of_this_thread(scene);
+  uint32_t open = among;
+  for_each_lane(among, [&](size_t i) HWY_ATTR {
+    if (begin_search(scene, pose, PreparedRay(rays, i), memory, searches[i])) open &= ~(1u << i);
+  });
+  search_for_packet(scene, pose, rays, open, searches);
+  for_each_lane(among, [&](size_t i) HWY_ATTR {
+    end_search(scene, rays.origin(i), rays.direction(i), memory, searches[i]);
+  });
 }
 
 /// Those `among` a packet's rays in the whole scene.
 template <typename Search>
 HWY_INLINE void search_scene(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among,
                              Search* searches) {
-  uint32_t open = among;
-  if (HWY_UNLIKELY(scene.tracing != nullptr)) open = begin_searches(scene, pose, rays, among, searches);
-  search_for_packet(scene, pose, rays, open, searches);
-  if (HWY_LIKELY(!scene.tracing)) return;
-  for (; among; among &= among - 1) end_search(scene, searches[std::countr_zero(among)]);
+  if (HWY_UNLIKELY(scene.tracing != nullptr)) {
+    search_remembering(scene, pose, rays, among, searches);
+    return;
+  }
+  search_for_packet(scene, pose, rays, among, searches);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -32,10 +32,8 @@ class Counting : public Search {
   void count_chain_step() { ++counts_->chain_steps; }
   void count_last_hit_test() { ++counts_->last_hit_tests; }
   void count_last_hit() { ++counts_->last_hits; }
-  void count_coherent_ray(bool has_new_list) {
-    ++counts_->coherent_rays;
-    counts_->lists += has_new_list;
-  }
+  void count_coherent_ray() { ++counts_->coherent_rays; }
+  void count_list() { ++counts_->lists; }
   void count_candidate() { ++counts_->candidates; }
   void count_saved_test() { ++counts_->saved_tests; }
   void count(const BoundingVolume& volume) { ++counts_->bounds[static_cast<size_t>(volume.kind)]; }

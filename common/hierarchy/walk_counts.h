@@ -20,7 +20,7 @@ struct WalkCounts {
   uint64_t last_hit_tests = 0;  ///< of what the ray before had hit
   uint64_t last_hits = 0;       ///< it is what this one hits, or it stops this shadow ray
   uint64_t coherent_rays = 0;   ///< that looked at lists of candidates
-  uint64_t lists = 0;           ///< made for them
+  uint64_t lists = 0;           ///< made for rays, those too that were too long to be kept
   uint64_t candidates = 0;      ///< looked at
   uint64_t leaves = 0;          ///< of volumes and lists
   std::array<uint64_t, kVolumeKinds> bounds{};  ///< bounding volumes tested, in the order of VolumeKind

@@ -192,25 +192,48 @@ TEST(RayMemory, CandidatesAreThoseInTheCone) {
     counts = {};
     return closest_hit_counted(row.scene, state.at(0), {origin, direction, t_max}, counts);
   };
-  trace({0, 0, 5}, {0, 0, -1}, 9);  // from the eye
-  EXPECT_EQ(counts.coherent_rays, 0u);
-  EXPECT_EQ(counts.spheres, 10u);
-  EXPECT_EQ(trace({0.4, 0, 0}, {1, 0, 0}, 90).t, 2.2);
+  // A ray along `direction` from where another one arrives, which comes from there.
+  const auto trace_from = [&](const Vec3& point, const Vec3& outward, const Vec3& direction) {
+    trace(point + outward, -outward, 9);
+    EXPECT_EQ(counts.coherent_rays, 0u);  // it begins at nothing
+    return trace(point + 1e-10 * outward, direction, 90);
+  };
+  EXPECT_NEAR(trace_from({0.4, 0, 0}, {1, 0, 0}, {1, 0, 0}).t, 2.2, 1e-9);
   EXPECT_EQ(counts.coherent_rays, 1u);
   EXPECT_EQ(counts.lists, 1u);
   EXPECT_EQ(counts.candidates, 2u);  // itself and its neighbour; the others lie behind the hit
-  EXPECT_FALSE(trace({0, 0.4, 0}, {0, 1, 0}, 90).is_hit());
+  EXPECT_NEAR(trace({2.6 - 1e-10, 0, 0}, {-1, 0, 0}, 90).t, 2.2, 1e-9);  // from where that one arrived
+  EXPECT_EQ(counts.coherent_rays, 1u);
+  EXPECT_EQ(counts.candidates, 2u);
+  EXPECT_FALSE(trace_from({0, 0.4, 0}, {0, 1, 0}, {0, 1, 0}).is_hit());
   EXPECT_EQ(counts.lists, 1u);  // of other directions
   EXPECT_EQ(counts.candidates, 1u);
-  EXPECT_FALSE(trace({0.24000000001, 0.32000000001, 0}, {0.01, 1, 0.01}, 90).is_hit());
-  EXPECT_EQ(counts.lists, 0u);  // it is there
-  EXPECT_FALSE(trace({0.4, 0, 0}, {1, 0.5, 0}, 90).is_hit());
-  EXPECT_LE(counts.candidates, 2u);
-  EXPECT_TRUE(trace({0.4, 0, 0}, {1, 0, 0}, 90).is_hit());
-  EXPECT_TRUE(trace({3.4, 0, 0}, {1, 0, 0}, 90).is_hit());  // the memory knows where the last rays arrived
+  EXPECT_FALSE(trace_from({0.24, 0.32, 0}, {0.6, 0.8, 0}, {0.01, 1, 0.01}).is_hit());
   EXPECT_EQ(counts.coherent_rays, 1u);
-  trace({1.5, 0, 0}, {1, 0, 0}, 90);  // from between balls
+  EXPECT_EQ(counts.lists, 0u);                                         // it is there
+  EXPECT_EQ(trace({1.5, 0, 0}, {1, 0, 0}, 90).primitive.index(), 1u);  // from between balls
   EXPECT_EQ(counts.coherent_rays, 0u);
+  EXPECT_EQ(counts.spheres, 10u);
+}
+
+/// The ball about a floor holds all that stands on it: it is searched as usual.
+TEST(RayMemory, OfWhatCanMeetMuchThereIsNoList) {
+  for (const size_t balls : {kMostInList - 1, kMostInList + 1}) {
+    std::string text = test::view_text() + "scene:\n  - {sphere: {center: [0, 0, 0], radius: 100}}\n";
+    for (size_t i = 0; i + 1 < balls; ++i)
+      text += fmt::format("  - {{sphere: {{center: [{}, {}, 1], radius: 0.4}}}}\n", i % 9, i / 9);
+    const CompiledScene compiled = compile(test::load_yaml(text), with(Hierarchy::sah, {false, 5}));
+    FrameState state(compiled.scene);
+    WalkCounts counts;
+    const Hit hit =
+        closest_hit_counted(compiled.scene, state.at(0), {Vec3(0), Vec3(0, 0, -1)}, counts);
+    ASSERT_EQ(hit.t, 100);
+    EXPECT_TRUE(
+        closest_hit_counted(compiled.scene, state.at(0), {Vec3(0, 0, -99.9999999), Vec3(0, 0, 1)}, counts)
+            .is_hit());
+    EXPECT_EQ(counts.lists, 1u);
+    EXPECT_EQ(counts.coherent_rays, balls <= kMostInList ? 1u : 0u);
+  }
 }
 
 /// Parts of many primitives are candidates as wholes.
