@@ -225,8 +225,7 @@ TEST(RayMemory, OfWhatCanMeetMuchThereIsNoList) {
     const CompiledScene compiled = compile(test::load_yaml(text), with(Hierarchy::sah, {false, 5}));
     FrameState state(compiled.scene);
     WalkCounts counts;
-    const Hit hit =
-        closest_hit_counted(compiled.scene, state.at(0), {Vec3(0), Vec3(0, 0, -1)}, counts);
+    const Hit hit = closest_hit_counted(compiled.scene, state.at(0), {Vec3(0), Vec3(0, 0, -1)}, counts);
     ASSERT_EQ(hit.t, 100);
     EXPECT_TRUE(
         closest_hit_counted(compiled.scene, state.at(0), {Vec3(0, 0, -99.9999999), Vec3(0, 0, 1)}, counts)
