@@ -11,6 +11,7 @@
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
 #include "common/hierarchy/cells.h"
+#include "common/hierarchy/ray_coherence.h"
 #include "common/scene/references.h"
 
 namespace rayfarm {
@@ -49,7 +50,8 @@ class PartCompiler {
         purpose_(purpose),
         shapes_(arrays, luminaires_, description, options.stop),
         libraries_(description.libraries.size()),
-        is_structure_used_(description.structures.size()),
+        in_use_{std::vector<bool>(description.structures.size()),
+                std::vector<bool>(description.objects.size())},
         part_of_(description.objects.size(), kNone) {}
 
   void add_all() {
@@ -65,12 +67,13 @@ class PartCompiler {
   std::span<const uint32_t> part_of() const { return part_of_; }                       ///< by object
   /// Of the scene's own part, if objects arrange it.
   std::span<const PlacedObject> placed() const { return placed_; }
+  InUse& in_use() { return in_use_; }
   size_t built() const { return built_; }  ///< primitives that were given to the builder
   void add_notes(Notes& notes) const {
     shapes_.add_notes(notes);
     luminaires_.add_notes(description_, notes);
-    for (size_t i = 0; i < is_structure_used_.size(); ++i)
-      if (!is_structure_used_[i])
+    for (size_t i = 0; i < in_use_.structures.size(); ++i)
+      if (!in_use_.structures[i])
         notes.add(
             description_.source(description_.structures[i].place),
             "this structure arranges nothing: it acts on shapes and meshes that stand here and do not move "
@@ -113,8 +116,8 @@ class PartCompiler {
     const bool is_placed = owner == description_.root && purpose_ == Purpose::pictures &&
                            groups[0].structure == kNone && options_.hierarchy == Hierarchy::object;
     try {
-      arrays_.parts.push_back(build_part(arrays_, groups, description_, options_, is_structure_used_,
-                                         is_placed ? &placed_ : nullptr));
+      arrays_.parts.push_back(
+          build_part(arrays_, groups, description_, options_, in_use_, is_placed ? &placed_ : nullptr));
     } catch (const TooManyCells& e) {
       throw InputError(description_.source(description_.objects[owner].place), e.what());
     }
@@ -161,7 +164,7 @@ class PartCompiler {
   ShapeCompiler shapes_;
   size_t built_ = 0;
   std::vector<std::optional<uint32_t>> libraries_;  ///< where the parts of each begin, once they are there
-  std::vector<bool> is_structure_used_;
+  InUse in_use_;
   std::vector<PlacedObject> placed_;
   std::vector<uint32_t> part_of_;
   std::vector<std::vector<Luminous>> luminous_of_;
@@ -209,9 +212,10 @@ void add_notes_of_built(const SceneDescription& description, const BuildOptions&
 
 /// Bounding volumes that no hierarchy has.
 void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOptions& options,
-                              Notes& notes) {
-  std::vector<const ObjectDescription*> idle, idle_groups;
-  for (const ObjectDescription& object : description.objects) {
+                              const InUse& in_use, Notes& notes) {
+  std::vector<const ObjectDescription*> idle, idle_groups, idle_users;
+  for (size_t i = 0; i < description.objects.size(); ++i) {
+    const ObjectDescription& object = description.objects[i];
     if (object.bound.empty()) continue;
     const BuildOptions& own =
         object.structure == kNone ? options : description.structures[object.structure].build;
@@ -219,6 +223,8 @@ void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOp
       idle.push_back(&object);
     else if (object.children.size() > 1 && own.objects.clusters != Clusters::groups)
       idle_groups.push_back(&object);
+    else if (!in_use.bounds[i])
+      idle_users.push_back(&object);
   }
   const auto add = [&](const std::vector<const ObjectDescription*>& objects, const char* what,
                        const char* why) {
@@ -229,11 +235,42 @@ void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOp
   };
   add(idle, "object", "it belongs to an `object` hierarchy");
   add(idle_groups, "group", "the scene's groups were not asked for as clusters");
+  add(idle_users, "object",
+      "what it has is used in several places or moves by itself, and has the volumes of the objects that are "
+      "used");
+}
+
+/// How rays are traced, where that changes nothing.
+void add_notes_of_tracing(const SceneDescription& description, const BuildOptions& options, Purpose purpose,
+                          const Scene& scene, Notes& notes) {
+  if (purpose == Purpose::library) {
+    if (options.has_last_hit || options.ray_coherence > 0)
+      notes.add(description.source(),
+                "`--last-hit` and `--ray-coherence` act while pictures are traced, and change nothing here");
+    return;
+  }
+  if (options.ray_coherence == 0) return;
+  const std::vector<Candidate> candidates = candidates_of(scene);
+  const auto wholes =
+      std::count_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.is_whole; });
+  if (candidates.empty())
+    notes.add(
+        description.source(),
+        fmt::format("`--ray-coherence` changes nothing here: it lists primitives that never move, {} of "
+                    "them at most, and in an `object` hierarchy no object of more than {}",
+                    kMostCandidates, kMostPrimitivesApart));
+  else if (wholes > 0)
+    notes.add(description.source(),
+              fmt::format("of `--ray-coherence`: {} object{} of more than {} primitives {} listed as {}, in "
+                          "which rays are searched in the usual way",
+                          wholes, wholes == 1 ? "" : "s", kMostPrimitivesApart, wholes == 1 ? "is" : "are",
+                          wholes == 1 ? "a whole" : "wholes"));
 }
 
 /// Options of hierarchies that are not the one that was asked for.
 void add_notes_of_idle_options(const SceneDescription& description, const BuildOptions& options,
-                               Purpose purpose, const Scene& scene, size_t built, Notes& notes) {
+                               Purpose purpose, const Scene& scene, size_t built, const InUse& in_use,
+                               Notes& notes) {
   const BuildOptions usual;
   const Hierarchy h = options.hierarchy;
   if (h != Hierarchy::sah && options.quality != usual.quality)
@@ -256,7 +293,7 @@ void add_notes_of_idle_options(const SceneDescription& description, const BuildO
       (options.objects.bounds != BoundChoice::best || purpose == Purpose::library))
     notes.add(description.source(),
               "what the eye sees of bounding volumes changes nothing here: it chooses the `best` of a scene");
-  add_notes_of_idle_bounds(description, options, notes);
+  add_notes_of_idle_bounds(description, options, in_use, notes);
   if (h != Hierarchy::adaptive && !is_usual_octree(options))
     notes.add(description.source(),
               "options of octrees belong to an `adaptive` hierarchy, and change nothing here");
@@ -291,6 +328,10 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   arrays.header.resize(1);
   arrays.header[0].background = description.background;
   arrays.header[0].ambient = description.ambient;
+  if (purpose == Purpose::pictures) {
+    arrays.header[0].has_last_hit = options.has_last_hit ? 1 : 0;
+    arrays.header[0].ray_coherence = glm::radians(options.ray_coherence);
+  }
   add_view(arrays, description);
   add_materials(arrays, description, purpose);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
@@ -303,8 +344,8 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   places.in_objects = tree.expand();
   build_object_part(arrays, description, options.stop);
   if (options.hierarchy == Hierarchy::object && purpose == Purpose::pictures)
-    arrays.header[0].object_tree =
-        build_scene_objects(arrays, description, tree.objects(), parts.placed(), options.objects);
+    arrays.header[0].object_tree = build_scene_objects(arrays, description, tree.objects(), parts.placed(),
+                                                       options.objects, parts.in_use());
   if (purpose == Purpose::pictures) add_environment(arrays, description);
   places.luminaires = add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
   weigh_lights(arrays);
@@ -315,7 +356,9 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   result.notes = description.notes;
   parts.add_notes(result.notes);
   add_notes_of_built(description, options, result.notes);
-  add_notes_of_idle_options(description, options, purpose, result.scene, parts.built(), result.notes);
+  add_notes_of_idle_options(description, options, purpose, result.scene, parts.built(), parts.in_use(),
+                            result.notes);
+  add_notes_of_tracing(description, options, purpose, result.scene, result.notes);
   if (purpose == Purpose::library)
     add_notes_of_idle(description, result.notes);
   else

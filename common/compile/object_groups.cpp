@@ -52,7 +52,7 @@ ChildRef pack_objects(const PrimitiveGroup& group, std::span<const PrimitiveRefe
 }
 
 ObjectElement element_of(const PrimitiveGroup& group, std::span<const PlacedObject> placed,
-                         const SceneDescription& description) {
+                         const SceneDescription& description, InUse& in_use) {
   // Parents stand before what is in them: from behind, each is whole when its parent takes it.
   std::vector<uint32_t> objects, parents;
   for (const GroupObject& g : group.objects)
@@ -67,6 +67,7 @@ ObjectElement element_of(const PrimitiveGroup& group, std::span<const PlacedObje
       if (placed[j].object == objects[i]) element.children.push_back({.leaves = placed[j].leaves});
     std::reverse(element.children.begin(), element.children.end());
     element.bound = description.objects[objects[i]].bound;
+    if (!element.is_empty()) in_use.bounds[objects[i]] = true;
     const auto parent = std::find(objects.begin(), objects.end(), parents[i]);
     if (i > 0 && parent != objects.end())
       elements[static_cast<size_t>(parent - objects.begin())].children.push_back(std::move(element));
@@ -76,7 +77,7 @@ ObjectElement element_of(const PrimitiveGroup& group, std::span<const PlacedObje
 
 uint32_t build_scene_objects(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
                              std::span<const uint32_t> object_of_node, std::span<const PlacedObject> placed,
-                             const ObjectOptions& options) {
+                             const ObjectOptions& options, InUse& in_use) {
   std::vector<ObjectElement> elements(arrays.object_nodes.size());
   std::vector<std::vector<size_t>> placed_of(description.objects.size());
   for (size_t i = 0; i < placed.size(); ++i) placed_of[placed[i].object].push_back(i);
@@ -96,6 +97,7 @@ uint32_t build_scene_objects(SceneArrays<GrowingArray>& arrays, const SceneDescr
     element.children.insert(element.children.begin(), own.begin(), own.end());
     element.bound = description.objects[object].bound;
     element = without_idle_groups(std::move(element));
+    if (!element.is_empty()) in_use.bounds[object] = true;
     if (node > 0 && !element.is_empty())
       elements[arrays.object_nodes[node].parent].children.push_back(std::move(element));
   }

@@ -122,7 +122,7 @@ void count_primitives(const PartPrimitives& primitives, Part& part) {
 
 /// Builds the hierarchy over the primitives of `group`, which are not empty. `placed`: as of build_part.
 Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGroup& group,
-                            const SceneDescription& description, const BuildOptions& options,
+                            const SceneDescription& description, const BuildOptions& options, InUse& in_use,
                             std::vector<PlacedObject>* placed) {
   const PartPrimitives& primitives = group.primitives;
   Collection collection;
@@ -159,8 +159,8 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
       return collection;
     }
     collection.structure = Structure::object;
-    collection.tree =
-        build_bounding_tree(element_of(group, objects, description), options.objects, std::nullopt, arrays);
+    collection.tree = build_bounding_tree(element_of(group, objects, description, in_use), options.objects,
+                                          std::nullopt, arrays);
     return collection;
   }
   if (has_volumes || options.hierarchy == Hierarchy::brute) return collection;
@@ -184,7 +184,7 @@ Collection build_collection(SceneArrays<GrowingArray>& arrays, const PrimitiveGr
 }  // namespace
 
 Part build_part(SceneArrays<GrowingArray>& arrays, std::vector<PrimitiveGroup>& groups,
-                const SceneDescription& description, const BuildOptions& options, std::vector<bool>& is_used,
+                const SceneDescription& description, const BuildOptions& options, InUse& in_use,
                 std::vector<PlacedObject>* placed) {
   Part part;
   const ArrayOffsets begin = offsets_behind(arrays);
@@ -194,14 +194,14 @@ Part build_part(SceneArrays<GrowingArray>& arrays, std::vector<PrimitiveGroup>& 
     if (primitives.ids.empty()) continue;
     BuildOptions build = options;
     if (structure != kNone) {
-      is_used[structure] = true;
+      in_use.structures[structure] = true;
       build = description.structures[structure].build;
       build.progress = options.progress;
       build.stop = options.stop;
     }
     count_primitives(primitives, part);
     const Collection collection =
-        build_collection(arrays, groups[i], description, build, i == 0 ? placed : nullptr);
+        build_collection(arrays, groups[i], description, build, in_use, i == 0 ? placed : nullptr);
     if (i == 0) {
       part.collection = collection;
     } else {

@@ -29,11 +29,16 @@ struct PlacedObject {
   std::array<ChildRef, 3> leaves{};
 };
 
+/// What of a description has come to be used: structures, and bounds by object.
+struct InUse {
+  std::vector<bool> structures, bounds;
+};
+
 /// Builds the hierarchies of a part, of whose groups some are not empty, with their leaves in `arrays`. Notes
-/// in `is_used` of which structures there is anything. `placed`: if not null, and the part's own collection
+/// in `in_use` what is arranged. `placed`: if not null, and the part's own collection
 /// is to be arranged by objects, it becomes a list, and its objects are told. Throws Stopped.
 Part build_part(SceneArrays<GrowingArray>& arrays, std::vector<PrimitiveGroup>& groups,
-                const SceneDescription& description, const BuildOptions& options, std::vector<bool>& is_used,
+                const SceneDescription& description, const BuildOptions& options, InUse& in_use,
                 std::vector<PlacedObject>* placed);
 
 }  // namespace rayfarm

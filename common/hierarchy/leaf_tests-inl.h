@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "common/hierarchy/crossings-inl.h"
+#include "common/hierarchy/hit_place.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -49,6 +50,15 @@ class ClosestHit {
   /// Boxes behind this distance need no visit.
   float t_far() const { return t_far_; }
   static bool is_over() { return false; }
+  /// Of the closest hit so far.
+  HitPlace place() const { return {hit_->instance, place_}; }
+  double distance() const { return hit_->t; }
+  /// Of the closest hit so far: only as near as that is anything sought.
+  void forget_all_but_distance() {
+    const double t = hit_->t;
+    *hit_ = {};
+    hit_->t = t;
+  }
 
   /// False: go on. True: the search is over (never, for a closest hit).
   HWY_INLINE bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
@@ -83,7 +93,7 @@ class ClosestHit {
         return false;
       case PointerKind::sphere: {
         SphereCrossings crossings;
-        take_spheres(scene_->sphere_blocks[index],
+        take_spheres(index,
                      cross_spheres(scene_->sphere_blocks[index], ray, crossings, OneTag(), lane, lane + 1),
                      crossings, instance);
         return false;
@@ -119,16 +129,16 @@ class ClosestHit {
     if (leaf.kind() == ChildKind::spheres) {
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
         SphereCrossings crossings;
-        take_spheres(scene_->sphere_blocks[i], cross_spheres(scene_->sphere_blocks[i], ray, crossings),
-                     crossings, instance);
+        take_spheres(i, cross_spheres(scene_->sphere_blocks[i], ray, crossings), crossings, instance);
       }
     } else if (leaf.kind() == ChildKind::mixed) {
-      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count())) {
+      for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
+        const PrimitiveId id = scene_->leaf_primitives[i];
         if (id.kind() == PrimitiveKind::collection)
           search_inner_collection(*scene_, scene_->collections[id.index()], ray, instance, *this);
         else if (const auto t = intersect_one(*scene_, id, ray, hit_->t);
                  t && hit_->is_beaten_by(*t, instance, id))
-          accept({*t, instance, id});
+          accept({*t, instance, id}, make_pointer(PointerKind::other, i));
       }
     }
   }
@@ -141,28 +151,33 @@ class ClosestHit {
       if (!(t > 0 && t <= hit_->t)) continue;
       const PrimitiveId id = scene_->triangle_blocks[block].primitives[lane];
       if (hit_->is_beaten_by(t, instance, id))
-        accept({t, instance, id, 8 * block + lane, crossings.u[lane], crossings.v[lane], crossings.w[lane]});
+        accept({t, instance, id, 8 * block + lane, crossings.u[lane], crossings.v[lane], crossings.w[lane]},
+               make_pointer(PointerKind::triangle, 8 * block + lane));
     }
   }
 
-  HWY_INLINE void take_spheres(const SphereBlock& block, uint32_t mask, const SphereCrossings& crossings,
+  HWY_INLINE void take_spheres(uint32_t block, uint32_t mask, const SphereCrossings& crossings,
                                uint32_t instance) {
     for (; mask; mask &= mask - 1) {
       const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
       const double t = crossings.t(lane);
       if (!(t > 0 && t <= hit_->t)) continue;
-      const PrimitiveId id = make_primitive_id(PrimitiveKind::sphere, block.spheres[lane]);
-      if (hit_->is_beaten_by(t, instance, id)) accept({t, instance, id});
+      const PrimitiveId id =
+          make_primitive_id(PrimitiveKind::sphere, scene_->sphere_blocks[block].spheres[lane]);
+      if (hit_->is_beaten_by(t, instance, id))
+        accept({t, instance, id}, make_pointer(PointerKind::sphere, 8 * block + lane));
     }
   }
 
-  void accept(const Hit& hit) {
+  void accept(const Hit& hit, PrimitivePointer place) {
     *hit_ = hit;
+    place_ = place;
     t_far_ = widened(hit.t);
   }
 
   const Scene* scene_ = nullptr;
   Hit* hit_ = nullptr;
+  PrimitivePointer place_{};  ///< of the hit
   float t_far_ = 0;
 };
 
@@ -175,6 +190,9 @@ class AnyHit {
   AnyHit(const Scene& scene, double t_max) : scene_(&scene), t_max_(t_max), t_far_(widened(t_max)) {}
   float t_far() const { return t_far_; }
   bool is_over() const { return is_over_; }
+  /// Of what was hit.
+  HitPlace place() const { return is_over_ ? place_ : HitPlace{}; }
+  static void forget_all_but_distance() {}
 
   /// True: the search is over.
   HWY_INLINE bool test_leaf(const ChildRef& leaf, const PrimitiveRay& ray, uint32_t instance) {
@@ -192,13 +210,14 @@ class AnyHit {
       case PointerKind::triangle:
         return is_over_ = for_each_triangle_of(*scene_, pointer, [&](uint32_t block, uint32_t i) HWY_ATTR {
                  TriangleCrossings crossings;
-                 return is_any_before_t_max(cross_triangle(*scene_, block, i, ray, crossings), crossings);
+                 return is_any_before_t_max(cross_triangle(*scene_, block, i, ray, crossings), crossings,
+                                            PointerKind::triangle, block, instance);
                });
       case PointerKind::sphere: {
         SphereCrossings crossings;
         return is_over_ = is_any_before_t_max(
                    cross_spheres(scene_->sphere_blocks[index], ray, crossings, OneTag(), lane, lane + 1),
-                   crossings);
+                   crossings, PointerKind::sphere, index, instance);
       }
       case PointerKind::other:
         return is_over_ = test_other_leaf(make_child(ChildKind::mixed, pointer.place()), ray, instance);
@@ -207,10 +226,11 @@ class AnyHit {
   }
 
   template <typename Number>
-  HWY_INLINE bool test_block(uint32_t /*index*/, const Vertices<Number>& vertices, const PrimitiveRay& ray,
-                             uint32_t /*instance*/) {
+  HWY_INLINE bool test_block(uint32_t index, const Vertices<Number>& vertices, const PrimitiveRay& ray,
+                             uint32_t instance) {
     TriangleCrossings crossings;
-    return is_over_ = is_any_before_t_max(cross_triangles(vertices, ray, crossings), crossings);
+    return is_over_ = is_any_before_t_max(cross_triangles(vertices, ray, crossings), crossings,
+                                          PointerKind::triangle, index, instance);
   }
 
  private:
@@ -218,31 +238,40 @@ class AnyHit {
     if (leaf.kind() == ChildKind::spheres) {
       SphereCrossings crossings;
       for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i)
-        if (is_any_before_t_max(cross_spheres(scene_->sphere_blocks[i], ray, crossings), crossings))
+        if (is_any_before_t_max(cross_spheres(scene_->sphere_blocks[i], ray, crossings), crossings,
+                                PointerKind::sphere, i, instance))
           return true;
     } else if (leaf.kind() == ChildKind::mixed) {
-      for (const PrimitiveId id : scene_->leaf_primitives.subspan(leaf.first, leaf.count())) {
+      for (uint32_t i = leaf.first; i < leaf.first + leaf.count(); ++i) {
+        const PrimitiveId id = scene_->leaf_primitives[i];
         if (id.kind() == PrimitiveKind::collection) {
           if (search_inner_collection(*scene_, scene_->collections[id.index()], ray, instance, *this))
             return true;
         } else if (const auto found = ClosestHit::intersect_one(*scene_, id, ray, t_max_);
                    found && *found < t_max_) {
+          place_ = {instance, make_pointer(PointerKind::other, i)};
           return true;
         }
       }
     }
     return false;
   }
+  /// Of what a ray and a block of this kind have in common.
   template <typename Crossings>
-  HWY_INLINE bool is_any_before_t_max(uint32_t mask, const Crossings& crossings) const {
+  HWY_INLINE bool is_any_before_t_max(uint32_t mask, const Crossings& crossings, PointerKind kind,
+                                      uint32_t block, uint32_t instance) {
     for (; mask; mask &= mask - 1) {
-      const double t = crossings.t(static_cast<size_t>(std::countr_zero(mask)));
-      if (t > 0 && t < t_max_) return true;
+      const auto lane = static_cast<uint32_t>(std::countr_zero(mask));
+      const double t = crossings.t(lane);
+      if (!(t > 0 && t < t_max_)) continue;
+      place_ = {instance, make_pointer(kind, 8 * block + lane)};
+      return true;
     }
     return false;
   }
   const Scene* scene_ = nullptr;
   double t_max_ = 0;
+  HitPlace place_;  ///< where it is over
   float t_far_ = 0;
   bool is_over_ = false;
 };

@@ -94,9 +94,7 @@ Box PointedPrimitives::bounds(uint32_t primitive) const {
   const PrimitivePointer pointer = pointers_[primitive];
   if (pointer.kind() != PointerKind::triangle) return bounds_of(scene_, id_of(scene_, pointer));
   Box box;
-  for_each_triangle(scene_, pointer, [&](const auto& corners) {
-    for (const Vec3& corner : corners) box.grow(corner);
-  });
+  for (const Vec3& corner : corners_of(scene_, pointer)) box.grow(corner);
   return box;
 }
 
@@ -109,6 +107,13 @@ Box PointedPrimitives::clipped(uint32_t primitive, const Box& cell) const {
   Box box;
   for_each_triangle(scene_, pointer, [&](const auto& corners) { box.grow(clipped_bounds(corners, cell)); });
   return box;
+}
+
+std::vector<Vec3> corners_of(const Scene& scene, PrimitivePointer pointer) {
+  std::vector<Vec3> all;
+  for_each_triangle(scene, pointer,
+                    [&](const auto& corners) { all.insert(all.end(), corners.begin(), corners.end()); });
+  return all;
 }
 
 }  // namespace rayfarm

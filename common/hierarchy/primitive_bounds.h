@@ -28,4 +28,8 @@ class PointedPrimitives : public PrimitiveSource {
   double ray_error_;  ///< how far from their surfaces primitives may be hit
 };
 
+/// The corners of the triangles that a primitive was cut into, the first of which `pointer` names: three of
+/// each.
+std::vector<Vec3> corners_of(const Scene& scene, PrimitivePointer pointer);
+
 }  // namespace rayfarm

@@ -7,7 +7,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "common/hierarchy/collections-inl.h"
+#include "common/hierarchy/remembered-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -19,14 +19,15 @@ Hit find_closest(const Scene& scene, const Pose& pose, const Ray& ray) {
   Hit hit;
   hit.t = ray.t_max;
   ClosestHit search(scene, hit);
-  search_for_one(scene, pose, PreparedRay(ray), search);
+  search_scene(scene, pose, PreparedRay(ray), search);
   search.finish();
   return hit;
 }
 
 bool find_any(const Scene& scene, const Pose& pose, const Ray& ray) {
   AnyHit search(scene, ray.t_max);
-  return search_for_one(scene, pose, PreparedRay(ray), search);
+  search_scene(scene, pose, PreparedRay(ray), search);
+  return search.is_over();
 }
 
 void find_closest_of_packet(const Scene& scene, const Pose& pose, const RayPacket& rays, Hit* hits) {
@@ -36,7 +37,7 @@ void find_closest_of_packet(const Scene& scene, const Pose& pose, const RayPacke
     hits[i].t = rays.t_max[i];
     searches[i] = ClosestHit(scene, hits[i]);
   }
-  search_for_packet(scene, pose, rays, rays.all(), searches.data());
+  search_scene(scene, pose, rays, rays.all(), searches.data());
   for (size_t i = 0; i < rays.size; ++i) searches[i].finish();
 }
 
@@ -44,7 +45,7 @@ uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacke
   std::array<AnyHit, kPacketRays> searches;
   for (size_t i = 0; i < kPacketRays; ++i)
     searches[i] = AnyHit(scene, among >> i & 1 ? rays.t_max[i] : 0);  // others may hold anything
-  search_for_packet(scene, pose, rays, among, searches.data());
+  search_scene(scene, pose, rays, among, searches.data());
   uint32_t hits = 0;
   for (size_t i = 0; i < kPacketRays; ++i) hits |= static_cast<uint32_t>(searches[i].is_over()) << i;
   return hits;

@@ -258,6 +258,14 @@ HWY_NOINLINE bool walk_instances(const Scene& scene, const Pose& pose, const Chi
   return false;
 }
 
+/// Walks a tree of the object part's boxes.
+template <typename Walker, typename VisitInstances>
+HWY_INLINE bool walk_boxes(const VolumeNode* nodes, const ChildRef& root, Walker& walker,
+                           VisitInstances visit_instances) {
+  if (root.kind() == ChildKind::inner) return walk(nodes, root, walker, visit_instances);
+  return root.kind() == ChildKind::instances && visit_instances(root, Walker::kAll);
+}
+
 /// Walks the object part, what never moves first: `visit_instances(leaf, rays)` is called for its leaves.
 template <typename Walker, typename VisitInstances>
 HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, Walker& walker,
@@ -266,11 +274,7 @@ HWY_INLINE bool walk_scene(const Scene& scene, const Pose& pose, Walker& walker,
   // Where there is a tree of bounding volumes, it has been walked.
   ChildRef root = HWY_LIKELY(scene.head().object_tree == kNone) ? scene.head().fixed_root : ChildRef{};
   for (bool is_last = false;; is_last = true) {
-    if (root.kind() == ChildKind::inner) {
-      if (walk(nodes, root, walker, visit_instances)) return true;
-    } else if (root.kind() == ChildKind::instances) {
-      if (visit_instances(root, Walker::kAll)) return true;
-    }
+    if (walk_boxes(nodes, root, walker, visit_instances)) return true;
     if (is_last) return false;
     nodes = pose.moving_nodes();
     root = scene.head().moving_root;

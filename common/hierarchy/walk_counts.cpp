@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "common/hierarchy/items-inl.h"
+#include "common/hierarchy/remembered-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -38,6 +39,11 @@ class Counting : public Search {
   }
   void count_tree_node() { ++counts_->tree_nodes; }
   void count_chain_step() { ++counts_->chain_steps; }
+  void count_last_hit_test() { ++counts_->last_hit_tests; }
+  void count_last_hit() { ++counts_->last_hits; }
+  void count_coherent_ray() { ++counts_->coherent_rays; }
+  void count_list() { ++counts_->lists; }
+  void count_candidate() { ++counts_->candidates; }
   void count_saved_test() { ++counts_->saved_tests; }
   void count_element() { ++counts_->elements; }
   void count(const OctantVolume& volume, bool is_missed) {
@@ -141,7 +147,7 @@ Hit closest_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, Wa
   Hit hit;
   hit.t = ray.t_max;
   Counting<ClosestHit> search(counts, scene, hit);
-  search_for_one(scene, pose, PreparedRay(ray), search);
+  search_scene(scene, pose, PreparedRay(ray), search);
   search.finish();
   return hit;
 }
@@ -161,7 +167,8 @@ Hit closest_hit_among_counted(const Scene& scene, const Pose& pose, std::span<co
 bool any_hit_counted(const Scene& scene, const Pose& pose, const Ray& ray, WalkCounts& counts) {
   using namespace HWY_NAMESPACE;
   Counting<AnyHit> search(counts, scene, ray.t_max);
-  return search_for_one(scene, pose, PreparedRay(ray), search);
+  search_scene(scene, pose, PreparedRay(ray), search);
+  return search.is_over();
 }
 
 }  // namespace rayfarm

@@ -11,15 +11,20 @@
 namespace rayfarm {
 
 struct WalkCounts {
-  uint64_t nodes = 0;          ///< of the object part and of parts
-  uint64_t boxes = 0;          ///< tested; a node's are tested at once
-  uint64_t cells = 0;          ///< of grids and octrees
-  uint64_t empty_cells = 0;    ///< those among them that hold nothing
-  uint64_t tree_nodes = 0;     ///< of octrees' construction trees, looked at to find cells
-  uint64_t chain_steps = 0;    ///< entries of octrees' hash tables that names were compared with
-  uint64_t saved_tests = 0;    ///< of primitives, that a mailbox made needless
-  uint64_t leaves = 0;         ///< of volumes and lists
-  uint64_t curved_leaves = 0;  ///< those among them of spheres and quadrics
+  uint64_t nodes = 0;           ///< of the object part and of parts
+  uint64_t boxes = 0;           ///< tested; a node's are tested at once
+  uint64_t cells = 0;           ///< of grids and octrees
+  uint64_t empty_cells = 0;     ///< those among them that hold nothing
+  uint64_t tree_nodes = 0;      ///< of octrees' construction trees, looked at to find cells
+  uint64_t chain_steps = 0;     ///< entries of octrees' hash tables that names were compared with
+  uint64_t saved_tests = 0;     ///< of primitives, that a mailbox made needless
+  uint64_t last_hit_tests = 0;  ///< of what the ray before had hit
+  uint64_t last_hits = 0;       ///< it is what this one hits, or it stops this shadow ray
+  uint64_t coherent_rays = 0;   ///< that looked at lists of candidates
+  uint64_t lists = 0;           ///< made for rays, those too that were too long to be kept
+  uint64_t candidates = 0;      ///< looked at
+  uint64_t leaves = 0;          ///< of volumes and lists
+  uint64_t curved_leaves = 0;   ///< those among them of spheres and quadrics
   /// Cells that list 2^i to 2^(i + 1) - 1 primitives, and the primitives in their lists.
   std::array<uint64_t, 32> visits_by_fill{}, tests_by_fill{};
   std::array<uint64_t, kVolumeKinds> bounds{};  ///< bounding volumes tested, in the order of VolumeKind

@@ -129,6 +129,9 @@ enum class OctreeBuild : uint32_t {
 };
 inline constexpr std::array kOctreeBuildWords{"before", "tracing"};
 
+/// Of BuildOptions::ray_coherence, in degrees.
+inline constexpr double kMostRayCoherence = 60;
+
 /// How far a build is, for those who watch it from another thread.
 struct BuildProgress {
   std::atomic<uint64_t> total = 0, done = 0;  ///< primitives
@@ -149,6 +152,10 @@ struct BuildOptions {
   bool has_mailbox = false;  ///< lists of cells, and of spheres of Hierarchy::thesis, remember what a ray has
                              ///< been tested with
   ObjectOptions objects{};
+  // These two of whole scenes, in every hierarchy.
+  bool has_last_hit = false;  ///< a ray is first tested with what the last one hit
+  double ray_coherence =
+      0;  ///< the half angle, in degrees, of the cones for which candidates are listed; 0: none
   BuildProgress* progress = nullptr;
   std::stop_token stop{};  ///< a build that was asked to stop throws Stopped
 };

@@ -121,7 +121,9 @@ struct SceneHeader {
   uint32_t environment = kNone;  ///< the texture that is seen behind the scene
   /// Of bounding volumes over the instances that never move, in place of the boxes of fixed_root; kNone: none
   uint32_t object_tree = kNone;
-  uint32_t padding = 0;
+  uint32_t has_last_hit = 0;  ///< 1: rays are first tested with what the last one hit
+  double ray_coherence =
+      0;  ///< the half angle of the cones for which candidates are listed, in radians; 0: none
   double environment_turn = 0;  ///< about y, in whole turns
   Mat3 channels_from_rgb{1};  ///< of the colour pass; for what is only known while rays are traced: textures
   double far_away = 1;        ///< a distance that leads out of the scene from anywhere in it

@@ -217,6 +217,11 @@ void check_motion(const Scene& s) {
 
 void check_scene(const Scene& scene) {
   require(scene.header.size() == 1, "the header");
+  constexpr double kLeastHalfAngle = 1e-3, kRightAngle = 1.5707963267948966;  // so that cells can be counted
+  const double half_angle = scene.head().ray_coherence;
+  require(scene.head().has_last_hit <= 1 &&
+              (half_angle == 0 || (half_angle >= kLeastHalfAngle && half_angle < kRightAngle)),
+          "how rays are traced");
   check_motion(scene);
   check_hierarchy(scene);
   check_leaves(scene);

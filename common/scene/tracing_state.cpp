@@ -15,6 +15,8 @@ GrownOctree::GrownOctree(const Scene& scene, const Octree& octree) : table(octre
 }
 
 TracingState::TracingState(const Scene& scene) {
+  static std::atomic<uint64_t> last_number = 0;
+  number = ++last_number;
   for (const Octree& octree : scene.octrees)
     octrees.push_back(octree.build == OctreeBuild::tracing ? std::make_unique<GrownOctree>(scene, octree)
                                                            : nullptr);
@@ -24,7 +26,7 @@ std::shared_ptr<TracingState> make_tracing_state(const Scene& scene) {
   const bool is_grown = std::any_of(scene.octrees.begin(), scene.octrees.end(), [](const Octree& octree) {
     return octree.build == OctreeBuild::tracing;
   });
-  if (!is_grown) return nullptr;
+  if (!is_grown && scene.head().has_last_hit == 0 && scene.head().ray_coherence == 0) return nullptr;
   return std::make_shared<TracingState>(scene);
 }
 

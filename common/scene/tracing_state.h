@@ -42,6 +42,8 @@ struct GrownOctree {
 struct TracingState {
   explicit TracingState(const Scene& scene);
 
+  /// No other of this process has had it: threads remember by it which scene their memories are of.
+  uint64_t number;
   std::vector<std::unique_ptr<GrownOctree>> octrees;  ///< by octree; null where it was built before
 };
 

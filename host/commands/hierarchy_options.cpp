@@ -76,6 +76,13 @@ void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.choice<BoundsFor>("--bounds-for", objects.bounds_for, choices<BoundsFor>(kBoundsForWords),
                             "of object: best for rays from anywhere, or for those from the eye at the first "
                             "frame (default: all)");
+  options.flag(
+      "--last-hit", build.has_last_hit,
+      "a ray is first tested with what the last one of its kind hit, and then searched as far as that");
+  constexpr double kLeastRayCoherence = 0.1;
+  options.number("--ray-coherence", build.ray_coherence, kLeastRayCoherence, kMostRayCoherence,
+                 "the half angle in degrees of the cones of directions for which it is listed what rays "
+                 "from a primitive can meet (default: no lists)");
 }
 
 }  // namespace rayfarm

@@ -53,6 +53,7 @@ scene:
   - {use: pair, transform: {translate: [0, -2, 0]}}
   - {use: pair, transform: {translate: [1, -2, 0]}, visible: {0: true, 3: false}}
   - {structure: {thesis: {volumes: spheres, max_primitives: 1}}, group: [{sphere: {center: [0, 0, -4], radius: 0.3}}, {sphere: {center: [1, 1, -4], radius: 0.3}}]}
+  - {structure: {adaptive: {max_primitives: 1, depth: 4, build: tracing}}, group: [{sphere: {center: [0, 3, -3], radius: 0.3}}, {sphere: {center: [1, 3, -3], radius: 0.3}}]}
   - {structure: {adaptive: {max_primitives: 1, depth: 4}}, group: [{sphere: {center: [0, 0, -3], radius: 0.3}}, {sphere: {center: [1, 0, -3], radius: 0.3}}]}
   - {structure: {regular: {cells: 2}}, group: [{polygon: {points: [[0, 0, -2], [1, 0, -2], [1, 1, -2], [0, 1, -2]]}},
      {sphere: {center: [0, 0, -2], radius: 0.3}}, {structure: thesis, sphere: {center: [1, 1, -2], radius: 0.3}}]}

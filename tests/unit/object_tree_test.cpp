@@ -243,5 +243,23 @@ TEST(ObjectTree, NotesAndMistakes) {
   EXPECT_EQ(error_of("[sphere, slabs]"), "");
 }
 
+TEST(ObjectTree, BoundsOfNodesThatOnlyMoveWhatIsUsedElsewhereAreNoted) {
+  const std::string pair =
+      "objects: {pair: [{sphere: {center: [0, 0, 0], radius: 1}}, {sphere: {center: [3, 0, 0], radius: "
+      "1}}]}\n";
+  const auto notes = [&](const std::string& transform) {
+    const CompiledScene compiled = compile(
+        test::load_yaml(test::view_text() + pair + "scene:\n  - {bound: cylinder, use: pair, transform: " +
+                        transform + "}\n  - {use: pair, transform: {translate: [0, 9, 0]}}\n"),
+        {.hierarchy = Hierarchy::object});
+    std::string all;
+    for (const std::string& line : compiled.notes.lines()) all += line;
+    return all;
+  };
+  const std::string note = "`bound` of 1 object changes nothing here: what it has is used in several places";
+  EXPECT_NE(notes("{translate: {0: [0, 0, 0], 4: [0, 0, 1]}}").find(note), std::string::npos);
+  EXPECT_EQ(notes("{translate: [0, 0, 1]}").find(note), std::string::npos);
+}
+
 }  // namespace
 }  // namespace rayfarm
