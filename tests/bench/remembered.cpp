@@ -10,6 +10,7 @@
 
 #include "common/compile/compile.h"
 #include "common/hierarchy/ray_log.h"
+#include "common/hierarchy/storage.h"
 #include "common/hierarchy/walk_counts.h"
 #include "common/lighting/renderer.h"
 #include "host/commands/hierarchy_options.h"
@@ -106,6 +107,9 @@ void measure(const std::string& path, const BuildOptions& build) {
         of_shadow(shadow.primitives()), of_shadow(shadow.coherent_rays), of_shadow(shadow.candidates));
     std::fflush(stdout);
   }
+  if (!logged.octrees.empty())
+    fmt::print("  nodes of octrees {}, after these rays\n",
+               storage_of_octrees(variants[0].compiled.scene).nodes);
 }
 
 }  // namespace
