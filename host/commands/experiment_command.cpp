@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "host/commands/commands.h"
+#include "host/experiments/bounding-volumes/bounding_volumes_experiment.h"
 #include "host/experiments/colour/colour_experiment.h"
 #include "host/experiments/depth/depth_experiment.h"
 #include "host/experiments/hierarchies/hierarchies_experiment.h"
@@ -21,6 +22,7 @@ struct ExperimentChoice {
 int run_experiment(const ExperimentChoice& choice, const Renders& renders) {
   ExperimentOptions options = choice.options;
   if (options.output.empty()) options.output = "out/" + choice.name;
+  if (choice.name == "bounding-volumes") return run_bounding_volumes_experiment(options);
   if (choice.name == "depth") return run_depth_experiment(options, renders.here);
   if (choice.name == "hierarchies") return run_hierarchies_experiment(options);
   if (choice.name == "net-load") return run_net_load_experiment(options, renders.here);
@@ -48,8 +50,11 @@ void add_experiment_command(CommandLine& line) {
   options
       .word(
           "NAME", [choice = choice.get()](const std::string& name) { choice->name = name; },
-          {"colour", "depth", "hierarchies", "lighting", "net-load", "sampling", "smoothing", "working-sets"},
-          "colour: RGB and spectra at 4, 20 and any wavelengths, section 2.1 of Shirley, Sung and Brown; "
+          {"bounding-volumes", "colour", "depth", "hierarchies", "lighting", "net-load", "sampling",
+           "smoothing", "working-sets"},
+          "bounding-volumes: what they, clusters and an item buffer save, Weghorst, Hooper and "
+          "Greenberg 1984; colour: RGB and spectra at 4, 20 and any wavelengths, section 2.1 of Shirley, "
+          "Sung and Brown; "
           "depth: "
           "limits of the lighting tree, section 2.3.4; hierarchies: what arranging primitives costs and "
           "saves, chapter 4; lighting: the pictures of the thesis's chapter 3; "
