@@ -2,7 +2,7 @@
 import json
 import subprocess
 
-from rayfarm_job import JobTest, SCENES, main
+from rayfarm_job import ASSETS, JobTest, SCENES, main
 
 SMALL = ["--size", "160x120"]
 
@@ -23,6 +23,23 @@ class Identity(JobTest):
     def test_exr_any_ranks_and_policy(self):
         self.hashes(SCENES / "primitives.yaml", *SMALL, name="out.exr", variants=[
             ("--assign", policy) for policy in ("on-demand", "interleaved")])
+
+    def test_every_scene_has_one_picture_in_every_hierarchy_on_every_number_of_ranks(self):
+        # Each scene in three of the hierarchies, so that each has a dozen scenes; every_scene_test renders each in all, alone.
+        hierarchies = [["thesis"], ["thesis", "--thesis-volumes", "spheres", "--thesis-clip", "always"], ["regular", "--mailbox"],
+                       ["adaptive"], ["adaptive", "--octree-build", "tracing", "--octree-next", "dda"], ["brute"], ["object"],
+                       ["object", "--clusters", "automatic", "--bounds", "slabs", "--last-hit"], ["sah", "--ray-coherence", "10"],
+                       ["sah", "--item-buffer", "bound", "--light-buffer", "64"]]
+        scenes = sorted(SCENES.rglob("*.yaml")) + sorted((ASSETS / "spd").glob("*.nff"))
+        for i, scene in enumerate(scenes):
+            if scene.stem == "rainbow":
+                continue  # hundreds of thousands of copies take seconds to be placed
+            tiny = ["--size", "12x9", "--max-depth", "3"]
+            expected = self.render(1, scene, *tiny)["image"]["sha256_pixels"]
+            for k in range(3):
+                chosen = hierarchies[(3 * i + k) % len(hierarchies)]
+                found = self.render(1 + 2 * ((i + k) % 2), scene, *tiny, "--hierarchy", *chosen)["image"]["sha256_pixels"]
+                self.assertEqual(found, expected, f"{scene} {chosen}")
 
     def test_corner_sampling_and_its_counts(self):
         # Thesis 3.4.1: corners are shared by neighbours, and so by subpolygons; each counts once.
