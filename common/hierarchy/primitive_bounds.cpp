@@ -64,6 +64,15 @@ Box bounds_of(const Scene& scene, PrimitiveId primitive) {
   return {};
 }
 
+Box bounds_of(const Scene& scene, PrimitivePointer pointer) {
+  if (pointer.kind() != PointerKind::triangle) return bounds_of(scene, id_of(scene, pointer));
+  Box box;
+  for_each_triangle(scene, pointer, [&](const auto& corners) {
+    for (const Vec3& corner : corners) box.grow(corner);
+  });
+  return box;
+}
+
 Box clipped_to(const Scene& scene, PrimitiveId primitive, const Box& cell) {
   const uint32_t i = primitive.index();
   switch (primitive.kind()) {
@@ -91,11 +100,7 @@ PointedPrimitives::PointedPrimitives(const Scene& scene, const Box& bounds,
     : scene_(scene), pointers_(pointers), ray_error_(surface_error(bounds)) {}
 
 Box PointedPrimitives::bounds(uint32_t primitive) const {
-  const PrimitivePointer pointer = pointers_[primitive];
-  if (pointer.kind() != PointerKind::triangle) return bounds_of(scene_, id_of(scene_, pointer));
-  Box box;
-  for (const Vec3& corner : corners_of(scene_, pointer)) box.grow(corner);
-  return box;
+  return bounds_of(scene_, pointers_[primitive]);
 }
 
 Box PointedPrimitives::clipped(uint32_t primitive, const Box& cell) const {

@@ -10,6 +10,8 @@ namespace rayfarm {
 
 /// Of all but triangles and meshes' faces.
 Box bounds_of(const Scene& scene, PrimitiveId primitive);
+/// Of all; what was cut into triangles is one.
+Box bounds_of(const Scene& scene, PrimitivePointer pointer);
 /// The box of its piece inside `cell`, empty if there is none. May be larger, never smaller.
 Box clipped_to(const Scene& scene, PrimitiveId primitive, const Box& cell);
 

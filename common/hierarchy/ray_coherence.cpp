@@ -63,7 +63,7 @@ Ball ball_about(const Scene& scene, PrimitivePointer pointer, const InstancePose
     const SphereRecord& sphere = scene.spheres[block.spheres[pointer.place() % 8]];
     return {sphere.center, sphere.radius + kMargin * (max_magnitude(sphere.center) + sphere.radius)};
   }
-  return ball_about(PointedPrimitives(scene, std::span(&pointer, 1)).bounds(0), pose);
+  return ball_about(bounds_of(scene, pointer), pose);
 }
 
 size_t count_of(const Part& part) {

@@ -150,35 +150,6 @@ class Experiments(JobTest):
             self.assertTrue((self.folder / "page" / name).exists(), name)
         self.assertFalse((self.folder / "page" / "scratch.png").exists())
 
-    def test_bounding_volumes_writes_its_page(self):
-        # Weghorst, Hooper and Greenberg 1984, section 5: eight combinations on each environment.
-        result = self.run_alone("experiment", "bounding-volumes", "-o", self.folder / "page", "--scenes", SCENES, "--width", "12")
-        self.assertEqual(result.code, 0, result.stderr)
-        lines = (self.folder / "page" / "bounding_volumes.csv").read_text().splitlines()
-        rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-        self.assertEqual(len(rows), 10 * 8)
-        for row in rows:
-            self.assertEqual(int(row["eye_rays"]), 13 * 12)
-            has_buffer = row["combination"].endswith("Z")
-            self.assertEqual(float(row["buffer_s"]) > 0, has_buffer)
-            self.assertEqual(float(row["eye_volumes"]) == 0, has_buffer)  # "the ray-tracing process may then substitute a simple indexing operation"
-            if has_buffer:
-                self.assertLessEqual(float(row["eye_items"]), 1)
-            self.assertGreater(float(row["search_cost_ns"]), 0)
-        cost = {(row["environment"], row["frame"], row["combination"]): float(row["search_cost_ns"]) for row in rows}
-        for environment in ("pencils_1", "pencils_2", "pencils_3", "camera", "office"):  # T = b·B + i·I
-            self.assertLess(cost[environment, "0", "SH"], cost[environment, "0", "C"])
-            self.assertLess(cost[environment, "0", "SHZ"], cost[environment, "0", "SH"])
-        depths = {row["environment"]: float(row["average_depth"]) for row in rows}
-        self.assertEqual((depths["pencils_1"], depths["pencils_3"]), (1, 1))
-        self.assertGreater(depths["pencils_2"], 1)
-        page = (self.folder / "page" / "README.md").read_text()
-        self.assertRegex(page, r"\| Pencils I: total of CH \| 0.86 ± 0.15 \| [0-9.]+ \| (holds|\*\*does not hold\*\*) \|")
-        self.assertIn("| tree, 1984, % | 48.4 | 14.3 |", page)
-        for name in ("bounding_volumes.json", "bounding_volumes.gp", "totals.dat", "phases.dat", "wheel.yaml"):
-            self.assertTrue((self.folder / "page" / name).exists(), name)
-        self.assertFalse((self.folder / "page" / "scratch.png").exists())
-
     def test_sampling_writes_its_page(self):
         # Shirley, Sung and Brown 1991, 2.2.1: errors by pattern and number of samples.
         result = self.run_alone("experiment", "sampling", "-o", self.folder / "page", "--scenes", SCENES, "--width", "12", "--samples", "8", "--seeds", "2")
