@@ -231,7 +231,13 @@ std::string bounding_page(const BoundingResults& results) {
     text += fmt::format("| {} | {:g} | {:.1f} |\n", kVolumeKindNames[kind], kVolumeFactors[kind],
                         results.factors[kind].ns);
   text += "\n![totals](totals.svg)\n\n![phases](phases.svg)\n\n## Table IX\n\n" + composite(results);
-  text += fmt::format("## What holds\n\n{} of {} relations.\n\n", held, all) + relations;
+  text += fmt::format(
+              "## What holds\n\n{} of {} relations. The wheel of the last two is `wheel.yaml`: its thickness "
+              "isn't stated, and "
+              "was chosen so that the ratio from the side comes near theirs; the one from the front is then "
+              "given.\n\n",
+              held, all) +
+          relations;
   for (size_t e = 0; e < kEnvironments.size(); ++e)
     text += environment_text(kEnvironments[e], results.environments[e]);
   return text + "`bounding_volumes.csv` has all numbers.\n";

@@ -119,11 +119,11 @@ class Relations {
                  here = 100 * share(grid.empty, grid.cells);
     add("empty cells of regular at 25", fmt::format("{:.0f} % (± 10)", thesis), fmt::format("{:.0f} %", here),
         std::abs(here - thesis) <= 10,
-        fmt::format(
-            "{:.0f} % of the cells list nothing but the quadric that is the sky, whose piece in a cell "
-            "is taken to be its whole box: without it {:.0f} % would be empty",
-            100 * share(grid.quadric_cells, grid.cells),
-            100 * share(grid.empty + grid.quadric_cells, grid.cells)));
+        fmt::format("{:.0f} % of the cells list nothing but the quadric that is the sky: without it {:.0f} % "
+                    "would be "
+                    "empty",
+                    100 * share(grid.quadric_cells, grid.cells),
+                    100 * share(grid.empty + grid.quadric_cells, grid.cells)));
   }
 
   void add_bytes() {
