@@ -68,7 +68,7 @@ DisplayPolygon decode_display_polygon(std::span<const std::byte> message);
 /// Rays are counted in so many kinds, whose meaning host and nodes know.
 inline constexpr size_t kRayCounters = 5;
 /// What else is counted of them.
-inline constexpr size_t kRayTallyCounters = 5;
+inline constexpr size_t kRayTallyCounters = 6;
 
 /// What it took to trace a subpolygon. It travels in a block's header; beside the pixel wire it is a control
 /// message.

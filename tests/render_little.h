@@ -16,6 +16,8 @@ inline void render_little(const Scene& scene, int frame, int width_px, int heigh
     settings.max_depth = 3;
     settings.reflected_rays = settings.transmitted_rays = 2;
     settings.glass_shadows = GlassShadows::transparent;
+    settings.item_buffer = ItemBuffer::bound;
+    settings.light_cells = 4;
     Renderer(scene, settings).render(frame, settings.crop, [] {});
   }
 }

@@ -210,6 +210,13 @@ void add_notes_of_built(const SceneDescription& description, const BuildOptions&
             "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
 }
 
+/// Of several elements, itself or where a chain of single ones ends.
+bool is_group(const SceneDescription& description, const ObjectDescription& object) {
+  const ObjectDescription* o = &object;
+  while (o->primitives.empty() && o->children.size() == 1) o = &description.objects[o->children[0].object];
+  return o->children.size() + (o->primitives.empty() ? 0 : 1) > 1;
+}
+
 /// Bounding volumes that no hierarchy has.
 void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOptions& options,
                               const InUse& in_use, Notes& notes) {
@@ -219,12 +226,11 @@ void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOp
     if (object.bound.empty()) continue;
     const BuildOptions& own =
         object.structure == kNone ? options : description.structures[object.structure].build;
-    if (own.hierarchy != Hierarchy::object)
-      idle.push_back(&object);
-    else if (object.children.size() > 1 && own.objects.clusters != Clusters::groups)
+    const bool is_of_objects = own.hierarchy == Hierarchy::object;
+    if (is_of_objects && own.objects.clusters != Clusters::groups && is_group(description, object))
       idle_groups.push_back(&object);
     else if (!in_use.bounds[i])
-      idle_users.push_back(&object);
+      (is_of_objects || options.hierarchy == Hierarchy::object ? idle_users : idle).push_back(&object);
   }
   const auto add = [&](const std::vector<const ObjectDescription*>& objects, const char* what,
                        const char* why) {
@@ -237,7 +243,7 @@ void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOp
   add(idle_groups, "group", "the scene's groups were not asked for as clusters");
   add(idle_users, "object",
       "what it has is used in several places or moves by itself, and has the volumes of the objects that are "
-      "used");
+      "used; or a group of one has the volumes of its element; or it has nothing");
 }
 
 /// How rays are traced, where that changes nothing.
@@ -256,15 +262,16 @@ void add_notes_of_tracing(const SceneDescription& description, const BuildOption
   if (candidates.empty())
     notes.add(
         description.source(),
-        fmt::format("`--ray-coherence` changes nothing here: it lists primitives that never move, {} of "
-                    "them at most, and in an `object` hierarchy no object of more than {}",
+        fmt::format("`--ray-coherence` changes nothing here: it lists primitives that never move, {} of them "
+                    "at most, and in an `object` hierarchy at most {} that never move against each other",
                     kMostCandidates, kMostPrimitivesApart));
   else if (wholes > 0)
-    notes.add(description.source(),
-              fmt::format("of `--ray-coherence`: {} object{} of more than {} primitives {} listed as {}, in "
-                          "which rays are searched in the usual way",
-                          wholes, wholes == 1 ? "" : "s", kMostPrimitivesApart, wholes == 1 ? "is" : "are",
-                          wholes == 1 ? "a whole" : "wholes"));
+    notes.add(
+        description.source(),
+        fmt::format("of `--ray-coherence`: {} part{} of more than {} primitives that never move against "
+                    "each other {} listed as {}, in which rays are searched in the usual way",
+                    wholes, wholes == 1 ? "" : "s", kMostPrimitivesApart, wholes == 1 ? "is" : "are",
+                    wholes == 1 ? "a whole" : "wholes"));
 }
 
 /// Options of hierarchies that are not the one that was asked for.

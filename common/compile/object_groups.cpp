@@ -1,5 +1,8 @@
 #include "common/compile/object_groups.h"
 
+#include <ranges>
+#include <unordered_map>
+
 namespace rayfarm {
 namespace {
 
@@ -13,6 +16,16 @@ size_t class_of(const PartPrimitives& primitives, uint32_t primitive) {
 template <typename Array>
 uint32_t end_of(const Array& array) {
   return static_cast<uint32_t>(array.size());
+}
+
+/// The element with the object's bounds. Those of a group of one whose element has its own are of no use.
+ObjectElement bounded(ObjectElement element, uint32_t object, const SceneDescription& description,
+                      InUse& in_use) {
+  element.bound = description.objects[object].bound;
+  const bool has_element_own = element.children.size() == 1 && !element.children[0].bound.empty();
+  element = without_idle_groups(std::move(element));
+  if (!element.is_empty() && !has_element_own) in_use.bounds[object] = true;
+  return element;
 }
 
 }  // namespace
@@ -60,19 +73,23 @@ ObjectElement element_of(const PrimitiveGroup& group, std::span<const PlacedObje
       objects.push_back(g.object);
       parents.push_back(g.parent);
     }
+  std::unordered_map<uint32_t, size_t> element_of_object;
+  for (size_t i = objects.size(); i-- > 0;) element_of_object[objects[i]] = i;
+  std::unordered_map<uint32_t, std::vector<size_t>> placed_of;
+  for (size_t i = 0; i < placed.size(); ++i) placed_of[placed[i].object].push_back(i);
   std::vector<ObjectElement> elements(objects.size());
   for (size_t i = objects.size(); i-- > 0;) {
+    // What is in it has been added, the last first.
     ObjectElement& element = elements[i];
-    for (size_t j = placed.size(); j-- > 0;)
-      if (placed[j].object == objects[i]) element.children.push_back({.leaves = placed[j].leaves});
+    for (const size_t j : placed_of[objects[i]] | std::views::reverse)
+      element.children.push_back({.leaves = placed[j].leaves});
     std::reverse(element.children.begin(), element.children.end());
-    element.bound = description.objects[objects[i]].bound;
-    if (!element.is_empty()) in_use.bounds[objects[i]] = true;
-    const auto parent = std::find(objects.begin(), objects.end(), parents[i]);
-    if (i > 0 && parent != objects.end())
-      elements[static_cast<size_t>(parent - objects.begin())].children.push_back(std::move(element));
+    element = bounded(std::move(element), objects[i], description, in_use);
+    const auto parent = element_of_object.find(parents[i]);
+    if (i > 0 && !element.is_empty() && parent != element_of_object.end())
+      elements[parent->second].children.push_back(std::move(element));
   }
-  return without_idle_groups(std::move(elements[0]));
+  return std::move(elements[0]);
 }
 
 uint32_t build_scene_objects(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
@@ -95,9 +112,7 @@ uint32_t build_scene_objects(SceneArrays<GrowingArray>& arrays, const SceneDescr
     if (instance != kNone && arrays.instances[instance].moving == kNone && !is_placed)
       own.push_back({.instance = instance});
     element.children.insert(element.children.begin(), own.begin(), own.end());
-    element.bound = description.objects[object].bound;
-    element = without_idle_groups(std::move(element));
-    if (!element.is_empty()) in_use.bounds[object] = true;
+    element = bounded(std::move(element), object, description, in_use);
     if (node > 0 && !element.is_empty())
       elements[arrays.object_nodes[node].parent].children.push_back(std::move(element));
   }

@@ -163,7 +163,8 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
   if (!is_luminous(p.material)) return;
   const Luminous luminous{id, p.place, p.material};
   if (fan.empty())
-    luminaires_.add_polygon(luminous, polygon, shape.points);
+    luminaires_.add_polygon(luminous, polygon,
+                            std::span(arrays_.polygon_points).subspan(polygon.first_point));
   else
     luminaires_.add_triangles(luminous, fan);
 }

@@ -75,8 +75,7 @@ class PointCollector {
  private:
   void add_corners(const Box& box) {
     const bool had_corners = has_corners_;
-    for (uint32_t i = 0; i < 8; ++i)
-      add({i & 1 ? box.lo.x : box.hi.x, i & 2 ? box.lo.y : box.hi.y, i & 4 ? box.lo.z : box.hi.z}, 0);
+    for (const Vec3& corner : corners_of(box)) add(corner, 0);
     has_corners_ = had_corners;
   }
   void add(Vec3 p, double radius) {
@@ -239,19 +238,6 @@ class Builder {
   std::optional<Vec3> eye_;
 };
 
-void count_nodes(const Scene& scene, const BoundingNode& node, ObjectSizes& sizes) {
-  ++sizes.nodes;
-  sizes.pointers += node.child_count;
-  for (const BoundingNode& child : scene.bounding_nodes.subspan(node.first_child, node.child_count))
-    count_nodes(scene, child, sizes);
-  if (node.is_group() || node.instance == kNone) return;
-  const Collection& collection = scene.parts[scene.instances[node.instance].part].collection;
-  const bool is_whole = node.leaves[0].count() + node.leaves[1].count() + node.leaves[2].count() == 0;
-  if (!is_whole || collection.tree == kNone) return;
-  --sizes.nodes;  // the instance and the root of its tree are one
-  count_nodes(scene, scene.bounding_nodes[scene.bounding_trees[collection.tree].root], sizes);
-}
-
 }  // namespace
 
 ObjectElement without_idle_groups(ObjectElement element) {
@@ -270,7 +256,20 @@ uint32_t build_bounding_tree(ObjectElement root, const ObjectOptions& options, c
 
 ObjectSizes sizes_of(const Scene& scene, const BoundingTree& tree) {
   ObjectSizes sizes;
-  count_nodes(scene, scene.bounding_nodes[tree.root], sizes);
+  std::vector<uint32_t> open{tree.root};
+  while (!open.empty()) {
+    const BoundingNode& node = scene.bounding_nodes[open.back()];
+    open.pop_back();
+    ++sizes.nodes;
+    sizes.pointers += node.child_count;
+    for (uint32_t i = 0; i < node.child_count; ++i) open.push_back(node.first_child + i);
+    if (node.is_group() || node.instance == kNone) continue;
+    const Collection& collection = scene.parts[scene.instances[node.instance].part].collection;
+    const bool is_whole = node.leaves[0].count() + node.leaves[1].count() + node.leaves[2].count() == 0;
+    if (!is_whole || collection.tree == kNone) continue;
+    --sizes.nodes;  // the instance and the root of its tree are one
+    open.push_back(scene.bounding_trees[collection.tree].root);
+  }
   return sizes;
 }
 

@@ -97,16 +97,17 @@ uint32_t build_grid(const PrimitiveSource& source, std::span<const PrimitivePoin
     if (options.progress) ++options.progress->done;
   };
   std::vector<uint32_t> ends(grid.cell_count() + 1);  // first how long each list is
+  uint64_t count = arrays.primitive_pointers.size();
   for (uint32_t i = 0; i < source.size(); ++i) {
     begin_primitive();
-    finder.for_each_cell(i, [&](size_t cell) { ++ends[cell]; });
+    finder.for_each_cell(i, [&](size_t cell) {
+      ++ends[cell];
+      ++count;
+    });
+    check_count(count, "pointers from cells to primitives", "--cells");
   }
-  uint64_t end = arrays.primitive_pointers.size();
-  for (uint32_t& e : ends) {
-    end += e;
-    check_count(end, "pointers from cells to primitives", "--cells");
-    e = static_cast<uint32_t>(end);
-  }
+  auto end = static_cast<uint32_t>(arrays.primitive_pointers.size());
+  for (uint32_t& e : ends) e = end += e;
   arrays.primitive_pointers.resize(end);
   for (auto i = static_cast<uint32_t>(source.size()); i-- > 0;) {  // from behind: the lists are in order
     begin_primitive();

@@ -1,7 +1,7 @@
 #pragma once
 // Octrees that are built "dynamically during ray tracing" (Shirley, Sung and Brown 1991, 2.3.2): a node is
 // divided when a ray first comes into it, by the rules of one that is built before, and so into the same
-// cells.
+// cells; but where the limit on pointers ends the division, which cells it ends depends on the order of rays.
 #include "common/scene/tracing_state.h"
 
 namespace rayfarm {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/hierarchy/primitive_bounds.h"
+
 namespace rayfarm {
 namespace {
 
@@ -10,24 +12,6 @@ constexpr double kLeastDepth = 1e-9;
 
 double square(const Vec3& v) {
   return glm::dot(v, v);
-}
-
-std::array<Vec3, 8> corners_of(const Box& box) {
-  std::array<Vec3, 8> corners;
-  for (size_t i = 0; i < 8; ++i)
-    corners[i] = {i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z};
-  return corners;
-}
-
-/// Nothing: no box holds it.
-std::optional<Box> bounds_of(const Scene& scene, PrimitiveId id) {
-  if (id.kind() == PrimitiveKind::quadric) {
-    const Quadric& quadric = scene.quadrics[id.index()];
-    return quadric_bounds(quadric, scene.planes_of(quadric));
-  }
-  Box box;
-  for (const Vec3& p : scene.points_of(scene.polygons[id.index()])) box.grow(p);
-  return box;
 }
 
 /// The nearest whole number of [lo, hi]; lo if there is none.
@@ -224,17 +208,12 @@ class ItemMap::Painter {
     draw_leaf(make_child(ChildKind::mixed, c.first_leaf_primitive, c.leaf_primitive_count), instance, item);
   }
 
-  /// `box`: in the object's space; none: it may be anywhere.
-  void draw_by_rays(const std::optional<Box>& box, const Item& primitive, const Item& item) {
-    const ViewPoints& all = map_.view_.points;
-    std::optional<Footprint> seen = Footprint{all.x0, all.y0, all.x1 - 1, all.y1 - 1};
-    if (box) {
-      if (box->is_empty()) return;
-      std::array<Vec3, 8> corners = corners_of(*box);
-      for (Vec3& corner : corners) corner = from_eye(primitive.instance, corner);
-      seen = map_.footprint(corners);
-      if (!seen) return;
-    }
+  /// `box`: in the object's space.
+  void draw_by_rays(const Box& box, const Item& primitive, const Item& item) {
+    std::array<Vec3, 8> corners = corners_of(box);
+    for (Vec3& corner : corners) corner = from_eye(primitive.instance, corner);
+    const std::optional<Footprint> seen = map_.footprint(corners);
+    if (!seen) return;
     Ray ray{map_.view_.eye, Vec3(0)};
     for (int y = seen->y0; y <= seen->y1; ++y)
       for (int x = seen->x0; x <= seen->x1; ++x) {

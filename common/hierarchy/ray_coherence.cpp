@@ -31,10 +31,7 @@ Ball ball_about(std::span<const Vec3> points, const InstancePose& pose) {
 }
 
 Ball ball_about(const Box& box, const InstancePose& pose) {
-  std::array<Vec3, 8> corners;
-  for (size_t i = 0; i < 8; ++i)
-    corners[i] = {i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z};
-  return ball_about(corners, pose);
+  return ball_about(corners_of(box), pose);
 }
 
 /// Calls visit(pointer) for each primitive that a part's leaves refer to; triangles that a primitive was cut

@@ -127,12 +127,18 @@ class Counting : public Search {
 }  // namespace HWY_NAMESPACE
 
 WalkCounts& WalkCounts::operator+=(const WalkCounts& other) {
-  for (const auto count :
-       {&WalkCounts::nodes, &WalkCounts::boxes, &WalkCounts::cells, &WalkCounts::empty_cells,
-        &WalkCounts::tree_nodes, &WalkCounts::chain_steps, &WalkCounts::saved_tests, &WalkCounts::leaves,
-        &WalkCounts::curved_leaves, &WalkCounts::elements, &WalkCounts::interior_volumes,
-        &WalkCounts::leaf_volumes, &WalkCounts::missed_volumes, &WalkCounts::groups, &WalkCounts::objects,
-        &WalkCounts::triangles, &WalkCounts::spheres, &WalkCounts::polygons, &WalkCounts::quadrics})
+  for (const auto count : {&WalkCounts::nodes,        &WalkCounts::boxes,
+                           &WalkCounts::cells,        &WalkCounts::empty_cells,
+                           &WalkCounts::tree_nodes,   &WalkCounts::chain_steps,
+                           &WalkCounts::saved_tests,  &WalkCounts::last_hit_tests,
+                           &WalkCounts::last_hits,    &WalkCounts::coherent_rays,
+                           &WalkCounts::lists,        &WalkCounts::candidates,
+                           &WalkCounts::leaves,       &WalkCounts::curved_leaves,
+                           &WalkCounts::elements,     &WalkCounts::interior_volumes,
+                           &WalkCounts::leaf_volumes, &WalkCounts::missed_volumes,
+                           &WalkCounts::groups,       &WalkCounts::objects,
+                           &WalkCounts::triangles,    &WalkCounts::spheres,
+                           &WalkCounts::polygons,     &WalkCounts::quadrics})
     this->*count += other.*count;
   for (size_t i = 0; i < bounds.size(); ++i) bounds[i] += other.bounds[i];
   for (size_t i = 0; i < tests_by_fill.size(); ++i) {

@@ -123,6 +123,7 @@ void EyeItems::find(const Pose& pose, const RayPacket& rays, const RasterPoints&
   OfPacket<Hit> ordinary;
   ordinary.resize_for_overwrite(rays.size);
   closest_hits(scene_, pose, rays, ordinary.data());
+  counts[RayTally::compared] += rays.size;
   for (size_t i = 0; i < rays.size; ++i) counts[RayTally::differing] += is_same(hits[i], ordinary[i]) ? 0 : 1;
 }
 

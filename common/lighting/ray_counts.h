@@ -19,9 +19,10 @@ enum class RayTally : uint8_t {
   cut,           ///< rays that were not traced because they would contribute less than is asked for
   eye_items,     ///< eye rays that hit what the item buffer told to test first
   shadow_items,  ///< shadow rays that the item buffer of their light ended
-  differing      ///< eye rays for which the item buffer gave another primitive than an ordinary search
+  compared,  ///< eye rays that were searched in the ordinary way, too, to see whether that makes a difference
+  differing  ///< those for which the item buffer gave another primitive
 };
-inline constexpr size_t kRayTallies = 5;
+inline constexpr size_t kRayTallies = 6;
 
 /// Rays traced.
 struct RayCounts {

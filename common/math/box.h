@@ -1,5 +1,6 @@
 #pragma once
 // Axis-aligned boxes in double precision. An empty box has lo > hi.
+#include <array>
 #include <limits>
 
 #include "common/math/vector.h"
@@ -30,6 +31,13 @@ struct Box {
   /// The largest magnitude of a coordinate in the box.
   double magnitude() const { return is_empty() ? 0 : std::max(max_magnitude(lo), max_magnitude(hi)); }
 };
+
+inline std::array<Vec3, 8> corners_of(const Box& box) {
+  std::array<Vec3, 8> corners;
+  for (size_t i = 0; i < 8; ++i)
+    corners[i] = {i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z};
+  return corners;
+}
 
 inline Box intersection(const Box& a, const Box& b) {
   return {glm::max(a.lo, b.lo), glm::min(a.hi, b.hi)};

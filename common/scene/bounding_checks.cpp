@@ -14,7 +14,8 @@ struct Owner {
 
 class BoundingChecks {
  public:
-  explicit BoundingChecks(const Scene& s) : s_(s), is_met_(s.bounding_nodes.size()) {}
+  explicit BoundingChecks(const Scene& s)
+      : s_(s), is_met_(s.bounding_nodes.size()), is_named_(s.leaf_primitives.size()) {}
 
   void check(uint32_t tree, const Owner& owner) {
     const BoundingTree& t = s_.bounding_trees[tree];
@@ -61,7 +62,7 @@ class BoundingChecks {
     }
   }
 
-  void check_object(const BoundingNode& node, const Owner& owner) const {
+  void check_object(const BoundingNode& node, const Owner& owner) {
     require((node.instance == kNone) == (owner.collection != nullptr), "an object's instance");
     const Collection* collection = owner.collection;
     if (!collection) {
@@ -88,10 +89,18 @@ class BoundingChecks {
               "an object's primitives");
     }
     require(!is_whole || !owner.collection, "an object without primitives");
+    if (!owner.collection) return;
+    // What a collection holds is in one of its objects, so that collections in it are searched once.
+    const ChildRef& others = node.leaves[2];
+    for (uint32_t i = 0; i < others.count(); ++i) {
+      require(!is_named_[others.first + i], "a primitive of two objects");
+      is_named_[others.first + i] = true;
+    }
   }
 
   const Scene& s_;
   std::vector<bool> is_met_;
+  std::vector<bool> is_named_;  ///< leaf_primitives, by objects of collections
 };
 
 }  // namespace

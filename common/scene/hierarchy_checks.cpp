@@ -217,30 +217,30 @@ class NestingChecks {
       inside.searches += 1 + inside_[id.index()].searches;
       require(inside.levels <= kMostLevels && inside.searches <= kMostSearches, "collections in each other");
     }
-    if (index != kNone) inside_[index] = inside;
+    const auto take = [&](uint64_t searches) { inside.searches = std::max(inside.searches, searches); };
     check_tree(c);
     if (c.grid != kNone) {
       require(!is_grid_owned_[c.grid], "a collection's grid");
       is_grid_owned_[c.grid] = true;
       const Grid& grid = s_.grids[c.grid];
-      const uint32_t begin = s_.grid_cells[grid.first_cell],
-                     end = s_.grid_cells[grid.first_cell + grid.cell_count()];
-      check_list(c, begin, end - begin);
+      const auto ends = s_.grid_cells.subspan(grid.first_cell, grid.cell_count() + 1);
+      for (size_t i = 0; i + 1 < ends.size(); ++i) take(check_list(c, ends[i], ends[i + 1] - ends[i]));
     }
     if (c.octree != kNone) {
       require(!is_octree_owned_[c.octree], "a collection's octree");
       is_octree_owned_[c.octree] = true;
       const Octree& octree = s_.octrees[c.octree];
       for (const OctreeCell& cell : s_.octree_cells.subspan(octree.first_cell, octree.cell_count))
-        check_list(c, cell.first_pointer, cell.pointer_count);
+        take(check_list(c, cell.first_pointer, cell.pointer_count));
     }
     if (c.octants != kNone) {
       require(!is_octant_tree_owned_[c.octants], "a collection's octants");
       is_octant_tree_owned_[c.octants] = true;
       const OctantTree& tree = s_.octant_trees[c.octants];
       for (const OctantVolume& volume : s_.octant_volumes.subspan(tree.first_volume, tree.volume_count))
-        if (volume.is_leaf()) check_list(c, volume.first, volume.pointer_count);
+        if (volume.is_leaf()) take(check_list(c, volume.first, volume.pointer_count));
     }
+    if (index != kNone) inside_[index] = inside;
   }
 
  private:
@@ -267,9 +267,23 @@ class NestingChecks {
       for (const ChildRef& below : s_.nodes[child.first].children) open.push_back(below);
     }
   }
-  void check_list(const Collection& c, uint32_t first, uint32_t count) const {
-    for (const PrimitivePointer& p : s_.primitive_pointers.subspan(first, count))
-      if (p.kind() == PointerKind::other) check_own(c, p.place(), 1);
+  /// Returns how many searches the list may come to.
+  uint64_t check_list(const Collection& c, uint32_t first, uint32_t count) const {
+    const std::array<uint64_t, 3> begins{8 * uint64_t{c.first_triangle_block},
+                                         8 * uint64_t{c.first_sphere_block}, c.first_leaf_primitive},
+        counts{8 * uint64_t{c.triangle_block_count}, 8 * uint64_t{c.sphere_block_count},
+               c.leaf_primitive_count};  // in the order of PointerKind
+    uint64_t searches = 0;
+    for (const PrimitivePointer& p : s_.primitive_pointers.subspan(first, count)) {
+      const auto kind = static_cast<size_t>(p.kind());
+      require(p.place() >= begins[kind] && p.place() - begins[kind] < counts[kind],
+              "a collection's primitives");
+      if (p.kind() != PointerKind::other) continue;
+      const PrimitiveId id = s_.leaf_primitives[p.place()];
+      if (id.kind() == PrimitiveKind::collection) searches += 1 + inside_[id.index()].searches;
+      require(searches <= kMostSearches, "collections in each other");
+    }
+    return searches;
   }
 
   const Scene& s_;

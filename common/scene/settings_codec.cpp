@@ -37,13 +37,15 @@ void check_settings(const RenderSettings& settings) {
       !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
       !(settings.diffuse_contrast >= 0))
     throw SettingsError("a number among the settings is out of range");
-  if (!(settings.item_radius_px >= kLeastItemRadius_px && settings.item_radius_px <= kMostItemRadius_px) ||
-      (settings.light_cells != 0 &&
-       (settings.light_cells < kLeastLightCells || settings.light_cells > kMostLightCells)))
-    throw SettingsError(fmt::format(
-        "corners tell of samples {:g} to {:g} pixels away (--item-radius), and a light's map of items has "
-        "{} to {} points along a side (--light-buffer)",
-        kLeastItemRadius_px, kMostItemRadius_px, kLeastLightCells, kMostLightCells));
+  if (!(settings.item_radius_px >= kLeastItemRadius_px && settings.item_radius_px <= kMostItemRadius_px))
+    throw SettingsError(fmt::format("corners tell of samples {:g} to {:g} pixels away (--item-radius)",
+                                    kLeastItemRadius_px, kMostItemRadius_px));
+  if (settings.light_cells != 0 &&
+      (settings.light_cells < kLeastLightCells || settings.light_cells > kMostLightCells))
+    throw SettingsError(
+        fmt::format("a light's map of items has {} to {} points along a side, or there is none "
+                    "(--light-buffer 0)",
+                    kLeastLightCells, kMostLightCells));
   if (settings.item_buffer != ItemBuffer::none && crop.area() > kMostItemPoints)
     throw SettingsError(fmt::format(
         "an item buffer keeps 12 bytes for each corner of a pixel: it serves {} pixels at most, and "

@@ -129,7 +129,7 @@ std::optional<double> intersect(const Quadric& quadric, std::span<const Vec4> pl
   double roots[2], discriminant;
   const int count = solve(a, b, c, roots, discriminant);
   const auto is_kept = [&](double t) {
-    if (!(t > 0 && t <= t_max)) return false;
+    if (!(t > 0)) return false;
     const Vec3 p = origin + t * direction;
     bool is_inside = true;
     for (const Vec4& plane : planes) is_inside = is_inside && glm::dot(Vec3(plane), p) <= plane.w;
@@ -144,8 +144,10 @@ std::optional<double> intersect(const Quadric& quadric, std::span<const Vec4> pl
     const double terms =
         quadric.square_bound * (glm::dot(o, o) + roots[i] * roots[i] * direction2) + quadric.rest_bound;
     const double most = kMostTerms * (max_magnitude(origin) + t * max_magnitude(direction));
-    if (terms * terms * direction2 <= most * most * discriminant) return t;
-    if (refine(quadric, origin, direction, t) && is_kept(t)) return t;
+    const bool is_exact = terms * terms * direction2 <= most * most * discriminant;
+    if (!is_exact && !(refine(quadric, origin, direction, t) && is_kept(t))) continue;
+    // Not before: a root beyond t_max may be moved to it, and a search as far as a hit has to find it again.
+    if (t <= t_max) return t;
   }
   return std::nullopt;
 }
@@ -238,15 +240,13 @@ std::optional<Box> quadric_bounds(const Quadric& quadric, std::span<const Vec4> 
 bool passes_by(const Quadric& quadric, const Box& box, double error) {
   // The equation about the box's centre, each term as large as it gets.
   constexpr double kRounding = 1e-14;
-  const Vec3 center = box.center(), h = 0.5 * box.extent(), x = center - quadric.origin;
+  const Vec3 center = box.center(), h = 0.5 * box.extent() + Vec3(error), x = center - quadric.origin;
   const Vec3 gradient = glm::abs(quadric.gradient(center));
   const auto& a = quadric.a;
   const Vec3 turn(std::abs(a[0]) * h.x + std::abs(a[3]) * h.y + std::abs(a[4]) * h.z,
                   std::abs(a[3]) * h.x + std::abs(a[1]) * h.y + std::abs(a[5]) * h.z,
                   std::abs(a[4]) * h.x + std::abs(a[5]) * h.y + std::abs(a[2]) * h.z);
-  const Vec3 steepest = gradient + turn;
   const double change = 2 * glm::dot(gradient, h) + glm::dot(turn, h) +
-                        2 * error * (steepest.x + steepest.y + steepest.z) +
                         kRounding * (quadric.square_bound * glm::dot(x, x) + quadric.rest_bound);
   return std::abs(quadric.value(center)) > change;
 }

@@ -17,14 +17,14 @@ namespace {
 
 /// What item buffers did; empty without.
 std::string format_items(const RayCounts& rays) {
-  if (rays[RayTally::eye_items] + rays[RayTally::shadow_items] + rays[RayTally::differing] == 0) return {};
+  if (rays[RayTally::eye_items] + rays[RayTally::shadow_items] + rays[RayTally::compared] == 0) return {};
   std::string text = fmt::format(
       "items    {} eye rays hit the item of their corner; {} shadow rays that of their "
       "light\n",
       rays[RayTally::eye_items], rays[RayTally::shadow_items]);
-  if (rays[RayTally::differing] > 0)
+  if (rays[RayTally::compared] > 0)
     text += fmt::format("         {} of {} eye rays would hit something else in an ordinary search\n",
-                        rays[RayTally::differing], rays[RayKind::primary]);
+                        rays[RayTally::differing], rays[RayTally::compared]);
   return text;
 }
 

@@ -20,6 +20,7 @@ Json tree_to_json(const RayCounts& rays) {
 Json items_to_json(const RayCounts& rays) {
   return Json::Object{{"eye_rays", rays[RayTally::eye_items]},
                       {"shadow_rays", rays[RayTally::shadow_items]},
+                      {"compared_eye_rays", rays[RayTally::compared]},
                       {"differing_eye_rays", rays[RayTally::differing]}};
 }
 

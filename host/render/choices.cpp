@@ -193,6 +193,7 @@ std::vector<std::string> name_idle_items(const RenderSettings& s, const Scene& s
     notes.emplace_back("--light-buffer does nothing here: things move while the shutter is open");
     return notes;
   }
+  if (scene.lights.empty()) notes.emplace_back("--light-buffer does nothing here: the scene has no lights");
   const auto serves = [&](const Light& light) { return has_item_map(light); };
   const auto with_place =
       static_cast<size_t>(std::count_if(scene.lights.begin(), scene.lights.end(), serves));

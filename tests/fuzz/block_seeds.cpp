@@ -24,7 +24,7 @@ std::vector<std::string> block_seeds() {
         compile(load_scene(std::string(RAYFARM_SOURCE "/scenes/") + name + ".yaml"));
     if (compiled.block.size < 1 << 18) seeds.push_back(text_of(compiled));
   }
-  const std::array<BuildOptions, 5> builds{
+  const std::array<BuildOptions, 7> builds{
       {{},  // whose scene has structures in structures
        {.hierarchy = Hierarchy::regular, .cells = 3, .has_mailbox = true},
        {.hierarchy = Hierarchy::adaptive, .max_primitives = 3, .octree_depth = 4, .octree_hash = 7},
@@ -33,7 +33,12 @@ std::vector<std::string> block_seeds() {
         .octree_data = OctreeData::pointers,
         .octree_next = OctreeNext::dda,
         .octree_depth = 4},
-       {.hierarchy = Hierarchy::object}}};
+       {.hierarchy = Hierarchy::object, .has_last_hit = true},
+       {.hierarchy = Hierarchy::thesis,
+        .max_primitives = 2,
+        .thesis = {.volumes = ThesisVolumes::spheres},
+        .ray_coherence = 20},
+       {.hierarchy = Hierarchy::adaptive, .max_primitives = 2, .octree_build = OctreeBuild::tracing}}};
   for (const char* scene : {"stage", "bounds"}) {
     const SceneDescription description =
         load_scene(fmt::format("{}/tests/golden/scenes/{}.yaml", RAYFARM_SOURCE, scene));

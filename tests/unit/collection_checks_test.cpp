@@ -95,6 +95,18 @@ TEST(CollectionChecks, OctantsReachTheirOwnPrimitivesAlone) {
       "octants of two collections");
 }
 
+// A mailbox has room for these alone.
+TEST(CollectionChecks, ListsReachTheirCollectionsPrimitivesAlone) {
+  const CompiledScene compiled = test::compile_everything();
+  for (const PointerKind kind : {PointerKind::triangle, PointerKind::sphere})
+    expect_refusal<PrimitivePointer>(
+        compiled, &Scene::primitive_pointers,
+        [&](PrimitivePointer& p) {
+          return p.kind() == kind && p.place() >= 8 && (p = make_pointer(kind, 0), true);
+        },
+        "another collection's primitive");
+}
+
 TEST(CollectionChecks, TreesOfObjectsThatAWalkWouldNotEndInAreRefused) {
   const CompiledScene compiled = test::compile_everything();
   const auto refuse_node = [&](const std::function<bool(BoundingNode&)>& damage, const char* what) {

@@ -164,6 +164,10 @@ TEST(Grid, ABuildTellsHowFarItIsAndStopsAmongTheCellsOfOnePrimitive) {
     EXPECT_GT(progress.total, 0u);
     EXPECT_EQ(progress.done, progress.total);
   }
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_THROW(compile(scene, {.hierarchy = Hierarchy::regular, .cells = 100, .stop = stop.get_token()}),
+               Stopped);
 }
 
 TEST(Grid, NotesSayWhatChangesNothing) {

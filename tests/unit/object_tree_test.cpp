@@ -261,5 +261,29 @@ TEST(ObjectTree, BoundsOfNodesThatOnlyMoveWhatIsUsedElsewhereAreNoted) {
   EXPECT_EQ(notes("{translate: [0, 0, 1]}").find(note), std::string::npos);
 }
 
+TEST(ObjectTree, BoundsThatAGroupOfOneOrOfNoClusterHasAreNoted) {
+  const auto notes = [](const std::string& scene, Clusters clusters) {
+    const CompiledScene compiled =
+        compile(test::load_yaml(test::view_text() + "scene:\n" + scene),
+                {.hierarchy = Hierarchy::object, .objects = {.clusters = clusters}});
+    std::string all;
+    for (const std::string& line : compiled.notes.lines()) all += line;
+    return all;
+  };
+  const std::string two =
+      "[{sphere: {center: [0, 0, 0], radius: 1}}, {sphere: {center: [3, 0, 0], radius: 1}}]";
+  const std::string other = "  - {name: other, group: " + two + "}\n";
+  const std::string both =
+      "  - {name: g, bound: box, group: [{name: a, bound: sphere, group: " + two + "}]}\n" + other;
+  EXPECT_NE(notes(both, Clusters::groups).find("`bound` of 1 object changes nothing"), std::string::npos);
+  const std::string outer = "  - {name: g, bound: box, group: [{name: a, group: " + two + "}]}\n" + other;
+  EXPECT_EQ(notes(outer, Clusters::groups).find("`bound`"), std::string::npos);
+  const std::string mixed =
+      "  - {name: g, bound: box, group: [{sphere: {center: [9, 0, 0], radius: 1}}, {name: a, group: " + two +
+      "}]}\n" + other;
+  EXPECT_EQ(notes(mixed, Clusters::groups).find("`bound`"), std::string::npos);
+  EXPECT_NE(notes(mixed, Clusters::none).find("`bound` of 1 group changes nothing"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace rayfarm

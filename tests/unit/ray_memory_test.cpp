@@ -127,6 +127,29 @@ INSTANTIATE_TEST_SUITE_P(, RayMemories,
                                          Hierarchy::adaptive, Hierarchy::brute, Hierarchy::object));
 
 /// Two quadrilaterals in one place: which is hit is decided by their numbers, whatever was tested before.
+// Whose hits are moved onto the surface when they have been found.
+TEST(RayMemory, WiresAreHitAsWithout) {
+  const SceneDescription wire =
+      test::load_yaml(test::view_text() +
+                      "scene:\n  - {cylinder: {base: [0, 0, 0], top: [3, 10, 1], radius: 0.01}}\n"
+                      "  - {cylinder: {base: [0, 0, 0.2], top: [-3, 10, 1], radius: 0.01}}\n");
+  for (const Hierarchy hierarchy : {Hierarchy::sah, Hierarchy::brute, Hierarchy::regular}) {
+    const CompiledScene plain = compile(wire, with(hierarchy, {false, 0})),
+                        remembering = compile(wire, with(hierarchy, {true, 20}));
+    FrameState plain_state(plain.scene), state(remembering.scene);
+    std::mt19937 random(3);
+    int hits = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const Vec3 eye(0.05, 0.12, 0.4), target = test::uniform(random, 0, 1) * Vec3(3, 10, 1);
+      const Ray ray{eye, target + test::random_point(random, 0.01) - eye};
+      const Hit expected = closest_hit(plain.scene, plain_state.at(0), ray);
+      expect_same_hit(closest_hit(remembering.scene, state.at(0), ray), expected);
+      hits += expected.is_hit();
+    }
+    EXPECT_GT(hits, 500);
+  }
+}
+
 TEST(RayMemory, TiesAreDecidedAsWithout) {
   const std::string twice =
       "  - {polygon: {points: [[-1, -1, 0], [2, -1, 0], [2, 1, 0], [-1, 1, 0]]}}\n"

@@ -18,6 +18,26 @@ TEST(Quadric, SphereMeetsARayWhereGeometrySaysSo) {
   EXPECT_FALSE(intersect(q, {}, Vec3(1, 4.001, -10), Vec3(0, 0, 1), 1e9));
 }
 
+// A root is moved onto the surface before it is compared with the end of the search: a search as far as a hit
+// finds it again.
+TEST(Quadric, ThinOnesAreHitWhereTheSearchEndsAtTheHit) {
+  std::array<Vec4, 2> planes;
+  const Vec3 top(3, 10, 1), eye(0.05, 0.12, 0.4);
+  const Quadric wire = make_cone(Vec3(0), 0.01, top, 0.01, planes);
+  std::mt19937 random(5);
+  int hits = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 target = test::uniform(random, 0, 1) * top + test::random_point(random, 0.01);
+    const std::optional<double> t =
+        intersect(wire, planes, eye, target - eye, std::numeric_limits<double>::infinity());
+    if (!t) continue;
+    ++hits;
+    EXPECT_EQ(intersect(wire, planes, eye, target - eye, *t), t);
+    EXPECT_EQ(intersect(wire, planes, eye, target - eye, std::nextafter(*t, 0)), std::nullopt);
+  }
+  EXPECT_GT(hits, 1000);
+}
+
 TEST(Quadric, BoundsOfEllipsoidConeAndCutSphere) {
   const auto ellipsoid = quadric_bounds(make_quadric({1, 0.25, 1.0 / 9, 0, 0, 0, 0, 0, 0, -1}, Vec3(0)), {});
   ASSERT_TRUE(ellipsoid);

@@ -18,8 +18,11 @@ SecondaryRays secondary_rays(const ClassicalSurfaces& surfaces, size_t i, const 
     if (rays.transmitted == Vec3(0))
       rays.reflect += material.transmit;
     else if (branch.transmissions < settings.max_transmissions) {
-      const bool is_cut = !(branch.weight * max_component(rays.transmit) / wanted >= settings.min_weight);
-      (is_cut ? rays.cut_rays : rays.transmitted_rays) += wanted;
+      const double share = max_component(rays.transmit);
+      if (branch.weight * share / wanted >= settings.min_weight)
+        rays.transmitted_rays = wanted;
+      else if (share > 0)
+        rays.cut_rays += wanted;
     }
   }
   const uint32_t wanted = rays_of_lobe(settings.reflected_rays);
