@@ -28,7 +28,14 @@ struct Setting {
   uint32_t cut;  ///< as HierarchyRow's
   BuildOptions build;
   bool has_spheres_everywhere = false;  ///< a sphere about each object, simple ones too
+  bool has_volumes_below = false;       ///< and in it the thesis's volumes
 };
+
+BuildOptions volumes_to_the_letter(uint32_t cut) {
+  return {.hierarchy = Hierarchy::thesis,
+          .max_primitives = cut,
+          .thesis = {.volumes = ThesisVolumes::spheres, .clip = ThesisClip::always}};
+}
 
 /// Of an image, from 0: cuts as in Table 4.5, and as many cells as it had.
 std::vector<Setting> make_settings(size_t image) {
@@ -49,13 +56,13 @@ std::vector<Setting> make_settings(size_t image) {
   };
   add_cuts(Hierarchy::adaptive, {25, 15, 10});
   add_cuts(Hierarchy::thesis, {25, 15, 10});
-  for (const int cut : kThesisCuts)  // to the letter
-    settings.push_back({"thesis, spheres",
-                        fmt::format("{}", cut),
-                        static_cast<uint32_t>(cut),
-                        {.hierarchy = Hierarchy::thesis,
-                         .max_primitives = static_cast<uint32_t>(cut),
-                         .thesis = {.volumes = ThesisVolumes::spheres, .clip = ThesisClip::always}}});
+  for (const bool is_below_objects : {false, true})  // to the letter
+    for (const int cut : kThesisCuts) {
+      BuildOptions build = volumes_to_the_letter(static_cast<uint32_t>(cut));
+      if (is_below_objects) build.hierarchy = Hierarchy::object;
+      settings.push_back({is_below_objects ? "object/volume" : "thesis, spheres", fmt::format("{}", cut),
+                          static_cast<uint32_t>(cut), build, is_below_objects, is_below_objects});
+    }
   add_cuts(Hierarchy::sah, {25, 15, 8});
   settings.push_back({"object", "a sphere each", 0, {.hierarchy = Hierarchy::object}, true});
   settings.push_back({"object", "best volumes", 0, {.hierarchy = Hierarchy::object}});
@@ -70,6 +77,15 @@ std::vector<Setting> make_settings(size_t image) {
 /// As the thesis has it: every object node has a bounding volume.
 SceneDescription with_spheres(SceneDescription scene) {
   for (ObjectDescription& object : scene.objects) object.bound = {BoundChoice::sphere};
+  return scene;
+}
+
+/// As the thesis has it: each object stands in a sphere, and has a hierarchy of volumes of its own.
+SceneDescription with_volumes_below(SceneDescription scene, uint32_t cut) {
+  scene = with_spheres(std::move(scene));
+  scene.structures.push_back({volumes_to_the_letter(cut), {}});
+  for (const ChildDescription& child : scene.objects[scene.root].children)
+    scene.objects[child.object].structure = static_cast<uint32_t>(scene.structures.size() - 1);
   return scene;
 }
 
@@ -98,9 +114,11 @@ ImageStudy measure_image(int image, const std::string& path, int side_px,
   HierarchyRun profiled;
   for (const Setting& s : make_settings(static_cast<size_t>(image - 1))) {
     fmt::print(stderr, "hierarchies: image {}, {} {}\n", image, s.hierarchy, s.setting);
-    rows.push_back(
-        {image, fmt::format("Image {}", image), s.hierarchy, s.setting, s.cut,
-         run_hierarchy(s.has_spheres_everywhere ? spheres : scene, s.build, rays, study.facts, kEffort)});
+    rows.push_back({image, fmt::format("Image {}", image), s.hierarchy, s.setting, s.cut,
+                    run_hierarchy(s.has_volumes_below        ? with_volumes_below(scene, s.cut)
+                                  : s.has_spheres_everywhere ? spheres
+                                                             : scene,
+                                  s.build, rays, study.facts, kEffort)});
     if (s.hierarchy == std::string("thesis") && s.cut == 15) profiled = rows.back().run;
   }
   study.cuts = measure_cuts(rows.back().scene, scene, every_nth(rays, 4), study.facts);

@@ -126,7 +126,8 @@ void count_storage(const Scene& s, const SceneFacts& facts, HierarchyRun& run) {
                                           s.octree_cells.begin(), s.octree_cells.end(),
                                           [](const OctreeCell& cell) { return cell.pointer_count > 0; }));
   if (run.cells > 0) return;
-  if (s.head().object_tree != kNone) {
+  const bool has_octants = !s.octant_trees.empty();
+  if (s.head().object_tree != kNone && !has_octants) {
     const ObjectSizes sizes = sizes_of(s, s.bounding_trees[s.head().object_tree]);
     run.objects = sizes.nodes;
     run.pointers = sizes.pointers;
@@ -137,12 +138,14 @@ void count_storage(const Scene& s, const SceneFacts& facts, HierarchyRun& run) {
     ++run.leaves;
     run.pointers += count_pointers(s, leaf);
   };
-  run.interior = s.nodes.size();
-  for (const VolumeNode& node : s.nodes)
-    for (const ChildRef& child : node.children)
-      if (child.kind() > ChildKind::inner) add_leaf(child);
-  for (const Part& part : s.parts)
-    if (part.collection.root.kind() > ChildKind::inner) add_leaf(part.collection.root);
+  if (!has_octants) {
+    run.interior = s.nodes.size();
+    for (const VolumeNode& node : s.nodes)
+      for (const ChildRef& child : node.children)
+        if (child.kind() > ChildKind::inner) add_leaf(child);
+    for (const Part& part : s.parts)
+      if (part.collection.root.kind() > ChildKind::inner) add_leaf(part.collection.root);
+  }
   const OctantStorage octants = storage_of_octants(s);
   run.interior += octants.interior;
   run.leaves += octants.leaves;
@@ -185,8 +188,8 @@ KindCosts sum(const KindCosts& a, const KindCosts& b) {
 }
 
 uint64_t volumes_of(const WalkCounts& c) {
-  if (c.elements > 0) return c.elements;
   if (c.volumes() > 0) return c.volumes();
+  if (c.elements > 0) return c.elements;
   return c.nodes + (c.cells > 0 ? c.cells : c.leaves);
 }
 

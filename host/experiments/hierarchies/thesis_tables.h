@@ -9,9 +9,9 @@ namespace rayfarm {
 
 /// The thesis's volume hierarchies.
 enum class Scheme { regular, adaptive, object_volume };
-/// Rows that stand for them here: `regular` and `adaptive`, and `thesis` to the letter, with spheres and
-/// always clipped.
-inline constexpr std::array kSchemeNames{"regular", "adaptive", "thesis, spheres"};
+/// Rows that stand for them here: `regular`, `adaptive`, and `thesis` to the letter, with spheres and always
+/// clipped, below each object.
+inline constexpr std::array kSchemeNames{"regular", "adaptive", "object/volume"};
 
 inline constexpr std::array<int, 3> kThesisCuts{25, 15, 10};
 
