@@ -7,6 +7,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "common/hierarchy/items-inl.h"
 #include "common/hierarchy/remembered-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -51,6 +52,21 @@ uint32_t find_any_of_packet(const Scene& scene, const Pose& pose, const RayPacke
   return hits;
 }
 
+Hit find_closest_among(const Scene& scene, const Pose& pose, std::span<const Item> items, const Ray& ray) {
+  Hit hit;
+  hit.t = ray.t_max;
+  ClosestHit search(scene, hit);
+  const PreparedRay world(ray);
+  for (const Item& item : items) search_item(scene, pose, item, world, search);
+  search.finish();
+  return hit;
+}
+
+bool find_any_in_item(const Scene& scene, const Pose& pose, const Item& item, const Ray& ray) {
+  AnyHit search(scene, ray.t_max);
+  return search_item(scene, pose, item, PreparedRay(ray), search);
+}
+
 void test_all(const Scene& scene, const Part& part, uint32_t instance, const PreparedRay& ray,
               ClosestHit& search) {
   search.test_leaf(make_child(ChildKind::triangles, part.first_triangle_block, part.triangle_block_count),
@@ -90,6 +106,8 @@ HWY_EXPORT(find_closest);
 HWY_EXPORT(find_any);
 HWY_EXPORT(find_closest_of_packet);
 HWY_EXPORT(find_any_of_packet);
+HWY_EXPORT(find_closest_among);
+HWY_EXPORT(find_any_in_item);
 HWY_EXPORT(find_closest_brute_force);
 
 namespace {
@@ -119,6 +137,15 @@ void closest_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, H
 uint32_t any_hits(const Scene& scene, const Pose& pose, const RayPacket& rays, uint32_t among) {
   if (scene.ray_log) add_packet(scene.ray_log->any, rays, among);
   return HWY_DYNAMIC_DISPATCH(find_any_of_packet)(scene, pose, rays, among);
+}
+
+// Here and not in a file of their own: they need all that rays do in hierarchies, compiled for every target.
+Hit closest_hit_among(const Scene& scene, const Pose& pose, std::span<const Item> items, const Ray& ray) {
+  return HWY_DYNAMIC_DISPATCH(find_closest_among)(scene, pose, items, ray);
+}
+
+bool hits_item(const Scene& scene, const Pose& pose, const Item& item, const Ray& ray) {
+  return HWY_DYNAMIC_DISPATCH(find_any_in_item)(scene, pose, item, ray);
 }
 
 Hit closest_hit_brute_force(const Scene& scene, const Pose& pose, const Ray& ray) {
