@@ -94,7 +94,7 @@ void ItemMap::draw_triangle(const std::array<Vec3, 3>& corners, const Item& item
       else if (share.per_x < 0)
         last = std::min(last, std::floor(-at * x_per_share[i]));
       else if (!(at >= 0))
-        last = first - 1;
+        last = seen->x0 - 1.0;  // nothing; of a large first, first - 1 may be the same number
     }
     if (!(first <= last)) continue;
     const double row = inverse_depth.at + y * inverse_depth.per_y;
