@@ -153,9 +153,9 @@ void count_storage(const Scene& s, const SceneFacts& facts, HierarchyRun& run) {
   run.full_lists = run.leaves;
   // The thesis's object part stands over its volumes: 88 bytes each. An interior volume takes 24, a leaf 20,
   // a pointer 4 (Table 4.4).
-  const bool has_volumes = std::any_of(s.parts.begin(), s.parts.end(), [](const Part& part) {
-    return part.collection.structure != Structure::list;
-  });
+  const bool has_volumes = has_octants || std::any_of(s.parts.begin(), s.parts.end(), [](const Part& part) {
+                             return part.collection.structure != Structure::list;
+                           });
   run.thesis_bytes = (has_volumes ? 88.0 * static_cast<double>(facts.object_nodes) : 0.0) +
                      24.0 * static_cast<double>(run.interior) + 20.0 * static_cast<double>(run.leaves) +
                      4.0 * static_cast<double>(run.pointers);
