@@ -64,10 +64,7 @@ class PointCollector {
   FittedElement take() {
     FittedElement fitted;
     fitted.is_simple = curved_ == 0 ? is_box(points_) : curved_ == 1 && !has_corners_;
-    for (const FitPoint& f : points_) {
-      fitted.box.grow(f.p - Vec3(f.radius));
-      fitted.box.grow(f.p + Vec3(f.radius));
-    }
+    fitted.box = box_of(points_);
     fitted.points = std::move(points_);
     return fitted;
   }
@@ -265,16 +262,11 @@ ObjectSizes sizes_of(const Scene& scene, const BoundingTree& tree) {
     for (uint32_t i = 0; i < node.child_count; ++i) open.push_back(node.first_child + i);
     if (node.is_group() || node.instance == kNone) continue;
     const Collection& collection = scene.parts[scene.instances[node.instance].part].collection;
-    const bool is_whole = node.leaves[0].count() + node.leaves[1].count() + node.leaves[2].count() == 0;
-    if (!is_whole || collection.tree == kNone) continue;
+    if (node.has_leaves() || collection.tree == kNone) continue;
     --sizes.nodes;  // the instance and the root of its tree are one
     open.push_back(scene.bounding_trees[collection.tree].root);
   }
   return sizes;
-}
-
-bool is_too_far_for_volumes(const BoundingTree& tree, const Vec3& origin) {
-  return is_too_far(tree.magnitude, origin);
 }
 
 }  // namespace rayfarm

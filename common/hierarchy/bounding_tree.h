@@ -37,7 +37,4 @@ struct ObjectSizes {
 /// Of the tree, with the trees of the instances in it.
 ObjectSizes sizes_of(const Scene& scene, const BoundingTree& tree);
 
-/// True if rounding on a ray's way may come to more than what volumes were made larger by.
-bool is_too_far_for_volumes(const BoundingTree& tree, const Vec3& origin);
-
 }  // namespace rayfarm

@@ -94,15 +94,6 @@ std::optional<double> entry_into_slabs(const BoundingVolume& v, const Vec3& o, c
   return passage.entry();
 }
 
-Box box_of(std::span<const FitPoint> points) {
-  Box box;
-  for (const FitPoint& f : points) {
-    box.grow(f.p - Vec3(f.radius));
-    box.grow(f.p + Vec3(f.radius));
-  }
-  return box;
-}
-
 /// The principal axes: eigenvectors of the points' covariance, by Jacobi's rotations.
 Mat3 principal_axes(std::span<const FitPoint> points) {
   Vec3 mean(0);
@@ -165,6 +156,15 @@ BoundingVolume fit_least_cylinder(std::span<const FitPoint> points) {
 }
 
 }  // namespace
+
+Box box_of(std::span<const FitPoint> points) {
+  Box box;
+  for (const FitPoint& f : points) {
+    box.grow(f.p - Vec3(f.radius));
+    box.grow(f.p + Vec3(f.radius));
+  }
+  return box;
+}
 
 const std::array<Vec3, 7>& slab_normals() {
   constexpr double k = std::numbers::inv_sqrt3;

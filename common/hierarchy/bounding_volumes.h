@@ -23,6 +23,7 @@ struct Ball {
 /// The least ball about points (Welzl 1991); where they have radii, a ball not much larger. `points` are not
 /// empty.
 Ball least_ball(std::span<const FitPoint> points);
+Box box_of(std::span<const FitPoint> points);
 
 /// What a volume of each kind costs, in the order of VolumeKind: nanoseconds of a test, measured by
 /// tests/bench/volume_factors on an Intel Xeon of the Sapphire Rapids generation.

@@ -88,7 +88,7 @@ class CellTests {
 template <typename Search, typename BeginWalk>
 HWY_INLINE bool search_cells(const Collection& collection, const Box& box, const PrimitiveRay& ray,
                              uint32_t instance, Search& search, BeginWalk begin_walk) {
-  if (is_too_far_for_cells(box, ray.origin_vector())) return search_list(collection, ray, instance, search);
+  if (is_too_far(box.magnitude(), ray.origin_vector())) return search_list(collection, ray, instance, search);
   const Passage passage = passage_through(with_margin(box), ray);
   if (passage.is_empty() || passage.begin > search.t_far()) return false;
   CellTests tests(collection, ray, instance, search);

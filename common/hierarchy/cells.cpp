@@ -43,8 +43,4 @@ void check_count(uint64_t count, const char* things, const char* option) {
                     things, option));
 }
 
-bool is_too_far_for_cells(const Box& box, const Vec3& origin) {
-  return is_too_far(box.magnitude(), origin);
-}
-
 }  // namespace rayfarm

@@ -16,9 +16,6 @@ double surface_error(const Box& box);
 /// True if rounding may come to more for a ray from there. `magnitude`: the box's largest coordinate.
 bool is_too_far(double magnitude, const Vec3& origin);
 
-/// The same of cells in `box`.
-bool is_too_far_for_cells(const Box& box, const Vec3& origin);
-
 /// More cells or pointers than indices can tell apart.
 class TooManyCells : public std::runtime_error {
  public:

@@ -144,13 +144,10 @@ class ItemMap::Painter {
   }
 
   void draw_object(uint32_t index, uint32_t instance) {
-    bool is_whole = true;
-    for (const ChildRef& leaf : scene_.bounding_nodes[index].leaves)
-      if (leaf.count() > 0) {
-        is_whole = false;
-        draw_leaf(leaf, instance, make_object_item(instance, index));
-      }
-    if (is_whole) draw_instance(instance);
+    const BoundingNode& node = scene_.bounding_nodes[index];
+    if (!node.has_leaves()) draw_instance(instance);
+    for (const ChildRef& leaf : node.leaves)
+      if (leaf.count() > 0) draw_leaf(leaf, instance, make_object_item(instance, index));
   }
 
   /// `item`: that all of it is; none: each primitive is one.

@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "common/hierarchy/bounding_tree.h"
+#include "common/hierarchy/cells.h"
 #include "common/hierarchy/object_list.h"
 #include "common/hierarchy/walk-inl.h"
 
@@ -31,7 +32,7 @@ class ObjectWalk {
         ray_(ray),
         instance_(instance),
         search_(search),
-        is_far_(is_too_far_for_volumes(tree, ray.origin_vector())),
+        is_far_(is_too_far(tree.magnitude, ray.origin_vector())),
         is_sorted_(tree.order == ObjectOrder::sorted) {}
 
   /// True: the search is over. `is_inside`: the root's volumes are known to be met.
@@ -88,13 +89,9 @@ class ObjectWalk {
   }
 
   bool visit_object(const BoundingNode& node, const PrimitiveRay& ray, uint32_t instance) {
-    bool is_whole = true;
-    for (const ChildRef& leaf : node.leaves) {
-      if (leaf.count() == 0) continue;
-      is_whole = false;
-      if (search_.test_leaf(leaf, ray, instance)) return true;
-    }
-    if (!is_whole) return false;
+    for (const ChildRef& leaf : node.leaves)
+      if (leaf.count() > 0 && search_.test_leaf(leaf, ray, instance)) return true;
+    if (node.has_leaves()) return false;
     const Collection& collection = scene_.parts[scene_.instances[instance].part].collection;
     if (collection.structure != Structure::object)
       return search_collection(scene_, collection, ray, instance, search_);

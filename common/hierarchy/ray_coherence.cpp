@@ -63,10 +63,6 @@ Ball ball_about(const Scene& scene, PrimitivePointer pointer, const InstancePose
   return ball_about(bounds_of(scene, pointer), pose);
 }
 
-size_t count_of(const Part& part) {
-  return size_t{part.triangle_count} + part.sphere_count + part.quadric_count + part.polygon_count;
-}
-
 }  // namespace
 
 std::vector<Candidate> candidates_of(const Scene& scene) {
@@ -75,7 +71,7 @@ std::vector<Candidate> candidates_of(const Scene& scene) {
     const Instance& instance = scene.instances[i];
     const Part& part = scene.parts[instance.part];
     if (instance.moving != kNone) continue;
-    if (count_of(part) > kMostPrimitivesApart) {
+    if (part.primitive_count() > kMostPrimitivesApart) {
       // A tree of the scene's objects reaches into it.
       if (scene.head().object_tree != kNone) return {};
       all.push_back({ball_about(part.collection.bounds, scene.poses[i]), {i, {}}, true});
@@ -142,7 +138,7 @@ const RayCoherence::List* RayCoherence::find(const Vec3& origin, const Vec3& dir
 
 uint32_t RayCoherence::cell_of(const Vec3& direction) const {
   const Vec3 size = glm::abs(direction);
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto axis = static_cast<int>(largest_axis(direction));
   const auto place = [&](int other) {
     const double along = 0.5 * (direction[other] / size[axis] + 1) * cells_;
     return along > 0 ? static_cast<uint32_t>(std::min(along, cells_ - 1.0)) : 0;

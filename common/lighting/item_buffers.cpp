@@ -163,8 +163,8 @@ Item LightItems::candidate(uint32_t light, const Vec3& origin) const {
   const LightMap& map = maps_[light];
   size_t face = 0;
   if (map.faces.size() > 1) {
-    const Vec3 v = origin - map.position, size = glm::abs(v);
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const Vec3 v = origin - map.position;
+    const auto axis = static_cast<int>(largest_axis(v));
     face = static_cast<size_t>(2 * axis + (v[axis] < 0 ? 1 : 0));
   }
   const std::optional<ItemMap::Projection> at = map.faces[face].project(origin);

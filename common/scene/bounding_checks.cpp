@@ -76,19 +76,17 @@ class BoundingChecks {
         {{collection->first_triangle_block, collection->triangle_block_count},
          {collection->first_sphere_block, collection->sphere_block_count},
          {collection->first_leaf_primitive, collection->leaf_primitive_count}}};
-    bool is_whole = true;
     for (size_t i = 0; i < 3; ++i) {
       const ChildRef& leaf = node.leaves[i];
       if (leaf.count() == 0) {
         require(leaf.kind() == ChildKind::empty, "an object's primitives");
         continue;
       }
-      is_whole = false;
       require(leaf.kind() == kinds[i] && leaf.first >= own[i][0] &&
                   uint64_t{leaf.first} + leaf.count() <= uint64_t{own[i][0]} + own[i][1],
               "an object's primitives");
     }
-    require(!is_whole || !owner.collection, "an object without primitives");
+    require(node.has_leaves() || !owner.collection, "an object without primitives");
     if (!owner.collection) return;
     // What a collection holds is in one of its objects, so that collections in it are searched once.
     const ChildRef& others = node.leaves[2];

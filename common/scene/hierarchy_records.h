@@ -174,6 +174,7 @@ struct BoundingNode {
   /// Of an object: its triangles, spheres and others. All empty where it is an instance as a whole.
   std::array<ChildRef, 3> leaves{};
   bool is_group() const { return child_count > 0; }
+  bool has_leaves() const { return leaves[0].count() + leaves[1].count() + leaves[2].count() > 0; }
 };
 
 /// A hierarchy of objects: the root is a node, below it come groups and objects.

@@ -86,6 +86,9 @@ struct Part {
   uint32_t first_leaf_primitive = 0, leaf_primitive_count = 0;
   uint32_t triangle_count = 0, sphere_count = 0, quadric_count = 0;
   uint32_t polygon_count = 0;  ///< of more than three corners, meshes' too
+  size_t primitive_count() const {
+    return size_t{triangle_count} + sphere_count + quadric_count + polygon_count;
+  }
 };
 
 /// A part at its place in the world.

@@ -138,8 +138,7 @@ void compare_builds(benchmark::State& state, const Subject& subject) {
   }
   const Scene& scene = subject.scene();
   size_t primitives = 0;
-  for (const Part& part : scene.parts)
-    primitives += part.triangle_count + part.sphere_count + part.polygon_count + part.quadric_count;
+  for (const Part& part : scene.parts) primitives += part.primitive_count();
   const double our_bytes =
       static_cast<double>(scene.nodes.size_bytes() + scene.triangle_blocks.size_bytes() +
                           scene.sphere_blocks.size_bytes() + scene.leaf_primitives.size_bytes());

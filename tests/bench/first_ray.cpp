@@ -57,8 +57,7 @@ int main(int argc, char** argv) {
     });
     const double most_bytes = peak_bytes() - before_bytes;
     size_t primitives = 0;
-    for (const Part& part : compiled.scene.parts)
-      primitives += part.triangle_count + part.sphere_count + part.polygon_count + part.quadric_count;
+    for (const Part& part : compiled.scene.parts) primitives += part.primitive_count();
     const EmbreeScene embree(compiled.scene, RTC_SCENE_FLAG_NONE);
     fmt::print(
         R"({{"primitives": {}, "load_s": {}, "load_cpu_s": {}, "build_s": {}, "build_cpu_s": {}, "first_ray_s": {}, )"

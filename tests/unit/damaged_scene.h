@@ -79,4 +79,15 @@ void expect_refusal(const CompiledScene& compiled, std::span<const T> Scene::*ar
   EXPECT_THROW(decode_scene(copy.bytes()), SceneBlockError) << what;
 }
 
+/// The same of one element, in a scene that is written anew.
+template <typename T>
+void expect_refusal_at(const CompiledScene& compiled, std::span<const T> Scene::*array,
+                       const std::function<void(T&)>& damage, const char* what, size_t index = 0) {
+  Scene scene = compiled.scene;
+  std::vector<T> elements((scene.*array).begin(), (scene.*array).end());
+  damage(elements[index]);
+  scene.*array = elements;
+  EXPECT_THROW(decode_scene(encode_scene(scene).bytes()), SceneBlockError) << what;
+}
+
 }  // namespace rayfarm::test

@@ -174,9 +174,7 @@ TEST(Grid, NotesSayWhatChangesNothing) {
   const SceneDescription scene =
       test::load_yaml(test::view_text() + "scene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n");
   const auto has = [](const CompiledScene& compiled, const std::string& words) {
-    const std::vector<std::string> lines = compiled.notes.lines();
-    return std::any_of(lines.begin(), lines.end(),
-                       [&](const std::string& l) { return l.find(words) != l.npos; });
+    return test::notes_of(compiled).find(words) != std::string::npos;
   };
   EXPECT_TRUE(has(compile(scene, {.cells = 9}), "number of cells"));
   EXPECT_TRUE(

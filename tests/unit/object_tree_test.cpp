@@ -252,9 +252,7 @@ TEST(ObjectTree, BoundsOfNodesThatOnlyMoveWhatIsUsedElsewhereAreNoted) {
         test::load_yaml(test::view_text() + pair + "scene:\n  - {bound: cylinder, use: pair, transform: " +
                         transform + "}\n  - {use: pair, transform: {translate: [0, 9, 0]}}\n"),
         {.hierarchy = Hierarchy::object});
-    std::string all;
-    for (const std::string& line : compiled.notes.lines()) all += line;
-    return all;
+    return test::notes_of(compiled);
   };
   const std::string note = "`bound` of 1 object changes nothing here: what it has is used in several places";
   EXPECT_NE(notes("{translate: {0: [0, 0, 0], 4: [0, 0, 1]}}").find(note), std::string::npos);
@@ -266,9 +264,7 @@ TEST(ObjectTree, BoundsThatAGroupOfOneOrOfNoClusterHasAreNoted) {
     const CompiledScene compiled =
         compile(test::load_yaml(test::view_text() + "scene:\n" + scene),
                 {.hierarchy = Hierarchy::object, .objects = {.clusters = clusters}});
-    std::string all;
-    for (const std::string& line : compiled.notes.lines()) all += line;
-    return all;
+    return test::notes_of(compiled);
   };
   const std::string two =
       "[{sphere: {center: [0, 0, 0], radius: 1}}, {sphere: {center: [3, 0, 0], radius: 1}}]";

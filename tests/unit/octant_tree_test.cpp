@@ -7,6 +7,7 @@
 #include "common/hierarchy/traverser.h"
 #include "common/hierarchy/walk_counts.h"
 #include "common/scene/references.h"
+#include "tests/unit/damaged_scene.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -317,28 +318,18 @@ TEST(OctantTree, BytesAreThoseOfTable4_5) {
   EXPECT_EQ(storage_of_octants(two.scene).longest_list, 1u);
 }
 
-template <typename T>
-void expect_refusal(const CompiledScene& compiled, std::span<const T> Scene::*array,
-                    const std::function<void(T&)>& damage, const char* what, size_t index = 0) {
-  Scene scene = compiled.scene;
-  std::vector<T> elements((scene.*array).begin(), (scene.*array).end());
-  damage(elements[index]);
-  scene.*array = elements;
-  EXPECT_THROW(decode_scene(encode_scene(scene).bytes()), SceneBlockError) << what;
-}
-
 TEST(OctantTree, DamagedOnesAreRefused) {
   const CompiledScene two = compile_nodes(ball(1, 1, 1, 0.1) + ball(-1, -1, -1, 0.1), 1);
   decode_scene(encode_scene(two.scene).bytes());
   const auto of_tree = [&](const std::function<void(OctantTree&)>& damage, const char* what) {
-    expect_refusal<OctantTree>(two, &Scene::octant_trees, damage, what);
+    test::expect_refusal_at<OctantTree>(two, &Scene::octant_trees, damage, what);
   };
   of_tree([](OctantTree& t) { t.volume_count = 4; }, "more volumes than there are");
   of_tree([](OctantTree& t) { t.volume_count = 0; }, "no root");
   of_tree([](OctantTree& t) { t.first_volume = 1; }, "volumes that end too late");
   of_tree([](OctantTree& t) { t.magnitude = NAN; }, "no size");
   const auto of_volume = [&](size_t i, const std::function<void(OctantVolume&)>& damage, const char* what) {
-    expect_refusal<OctantVolume>(two, &Scene::octant_volumes, damage, what, i);
+    test::expect_refusal_at<OctantVolume>(two, &Scene::octant_volumes, damage, what, i);
   };
   of_volume(
       0, [](OctantVolume& v) { v.first = 0; }, "a volume in itself");
@@ -358,9 +349,9 @@ TEST(OctantTree, DamagedOnesAreRefused) {
       2, [](OctantVolume& v) { v.pointer_count = 2; }, "a list that is too long");
   of_volume(
       2, [](OctantVolume& v) { v.first = 9; }, "a list elsewhere");
-  expect_refusal<Part>(
+  test::expect_refusal_at<Part>(
       two, &Scene::parts, [](Part& part) { part.collection.octants = 1; }, "a part of no octants");
-  expect_refusal<Part>(
+  test::expect_refusal_at<Part>(
       two, &Scene::parts, [](Part& part) { part.collection.structure = Structure::list; },
       "octants of a list");
 }
@@ -369,9 +360,7 @@ TEST(OctantTree, NotesSayWhatChangesNothing) {
   const SceneDescription scene =
       test::load_yaml(test::view_text() + "scene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n");
   const auto has = [&](const BuildOptions& options, const std::string& words) {
-    const std::vector<std::string> lines = compile(scene, options).notes.lines();
-    return std::any_of(lines.begin(), lines.end(),
-                       [&](const std::string& l) { return l.find(words) != l.npos; });
+    return test::notes_of(compile(scene, options)).find(words) != std::string::npos;
   };
   EXPECT_TRUE(has({.thesis = kSpheres}, "`thesis`"));
   EXPECT_TRUE(

@@ -4,6 +4,7 @@
 #include "common/hierarchy/storage.h"
 #include "common/hierarchy/traverser.h"
 #include "common/hierarchy/walk_counts.h"
+#include "tests/unit/damaged_scene.h"
 #include "tests/unit/test_scene.h"
 
 namespace rayfarm {
@@ -263,20 +264,10 @@ TEST(Octree, BytesAreThoseOfTable4_5) {
   EXPECT_EQ(storage.bytes(), 4u * (8 + 2));
 }
 
-template <typename T>
-void expect_refusal(const CompiledScene& compiled, std::span<const T> Scene::*array,
-                    const std::function<void(T&)>& damage, const char* what, size_t index = 0) {
-  Scene scene = compiled.scene;
-  std::vector<T> elements((scene.*array).begin(), (scene.*array).end());
-  damage(elements[index]);
-  scene.*array = elements;
-  EXPECT_THROW(decode_scene(encode_scene(scene).bytes()), SceneBlockError) << what;
-}
-
 TEST(Octree, DamagedOnesAreRefused) {
   const CompiledScene three = make_three();
   const auto of_octree = [&](const std::function<void(Octree&)>& damage, const char* what) {
-    expect_refusal<Octree>(three, &Scene::octrees, damage, what);
+    test::expect_refusal_at<Octree>(three, &Scene::octrees, damage, what);
   };
   of_octree([](Octree& o) { o.unit = 0; }, "a cube of no size");
   of_octree([](Octree& o) { o.low.y = NAN; }, "a cube nowhere");
@@ -289,7 +280,7 @@ TEST(Octree, DamagedOnesAreRefused) {
   of_octree([](Octree& o) { o.first_place = 1; }, "a hash table that ends too late");
   of_octree([](Octree& o) { o.place_count = 0; }, "nodes that lead to no cell");
   const auto of_node = [&](size_t node, const std::function<void(OctreeNode&)>& damage, const char* what) {
-    expect_refusal<OctreeNode>(three, &Scene::octree_nodes, damage, what, node);
+    test::expect_refusal_at<OctreeNode>(three, &Scene::octree_nodes, damage, what, node);
   };
   of_node(
       0, [](OctreeNode& n) { n.child = 0; }, "a node in itself");
@@ -307,18 +298,18 @@ TEST(Octree, DamagedOnesAreRefused) {
       1, [](OctreeNode& n) { n.size /= 2; }, "an octant of another size");
   of_node(
       2, [](OctreeNode& n) { n.child = 0; }, "a cell beside the hash table");
-  expect_refusal<OctreeNode>(
+  test::expect_refusal_at<OctreeNode>(
       make_three(OctreeNext::root, OctreeData::pointers), &Scene::octree_nodes,
       [](OctreeNode& n) { n.child = 3; }, "a cell that is not there", 2);
   const auto of_cell = [&](const std::function<void(OctreeCell&)>& damage, const char* what) {
-    expect_refusal<OctreeCell>(three, &Scene::octree_cells, damage, what);
+    test::expect_refusal_at<OctreeCell>(three, &Scene::octree_cells, damage, what);
   };
   of_cell([](OctreeCell& c) { c.pointer_count = 4; }, "a list that is too long");
   of_cell([](OctreeCell& c) { c.first_pointer = 9; }, "a list elsewhere");
   of_cell([](OctreeCell& c) { c.next = 0; }, "a chain in a ring");
-  expect_refusal<uint32_t>(
+  test::expect_refusal_at<uint32_t>(
       three, &Scene::octree_hash, [](uint32_t& cell) { cell = 3; }, "a place of no cell");
-  expect_refusal<Part>(
+  test::expect_refusal_at<Part>(
       three, &Scene::parts, [](Part& part) { part.collection.octree = 1; }, "a part of no octree");
 }
 
@@ -326,9 +317,7 @@ TEST(Octree, NotesSayWhatChangesNothing) {
   const SceneDescription scene =
       test::load_yaml(test::view_text() + "scene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n");
   const auto has = [&](const BuildOptions& options, const std::string& words) {
-    const std::vector<std::string> lines = compile(scene, options).notes.lines();
-    return std::any_of(lines.begin(), lines.end(),
-                       [&](const std::string& l) { return l.find(words) != l.npos; });
+    return test::notes_of(compile(scene, options)).find(words) != std::string::npos;
   };
   EXPECT_TRUE(has({.octree_next = OctreeNext::walk}, "options of octrees"));
   EXPECT_TRUE(has({.hierarchy = Hierarchy::regular, .octree_depth = 4}, "options of octrees"));

@@ -41,12 +41,14 @@ inline std::string error_of(const std::string& text, const std::string& name = "
   return "";
 }
 
-/// What is noted of the text, a line each.
-inline std::string notes_of(const std::string& text) {
-  const CompiledScene compiled = compile(load_yaml(text));
+/// What is noted, a line each.
+inline std::string notes_of(const CompiledScene& compiled) {
   std::string all;
   for (const std::string& line : compiled.notes.lines()) all += line + "\n";
   return all;
+}
+inline std::string notes_of(const std::string& text) {
+  return notes_of(compile(load_yaml(text)));
 }
 
 /// All pixels of an image, height × width × 3, as its file holds them.

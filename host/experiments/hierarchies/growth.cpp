@@ -50,10 +50,7 @@ PictureRays rays_for(Hierarchy hierarchy, const PictureRays& rays, size_t primit
 size_t primitives_of(const CompiledScene& compiled) {
   const Scene& s = compiled.scene;
   size_t count = 0;
-  for (const Instance& instance : s.instances) {
-    const Part& part = s.parts[instance.part];
-    count += part.triangle_count + part.sphere_count + part.polygon_count + part.quadric_count;
-  }
+  for (const Instance& instance : s.instances) count += s.parts[instance.part].primitive_count();
   return count;
 }
 

@@ -276,10 +276,7 @@ HierarchyRun run_hierarchy(const SceneDescription& description, const BuildOptio
               bytes_of(s.bounding_nodes) + bytes_of(s.bounding_volumes) + bytes_of_primitives(s) -
               facts.list_bytes;
   count_storage(s, facts, run);
-  for (const Instance& instance : s.instances) {
-    const Part& part = s.parts[instance.part];
-    run.primitives += part.triangle_count + part.sphere_count + part.polygon_count + part.quadric_count;
-  }
+  for (const Instance& instance : s.instances) run.primitives += s.parts[instance.part].primitive_count();
   const StandingScene scene(s);
   run.eye = scene.count(rays.eye, false);
   run.secondary = scene.count(rays.secondary, false);
