@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <numbers>
@@ -21,6 +20,7 @@
 #include "common/lighting/surface.h"
 #include "common/scene/camera.h"
 #include "common/scene/references.h"
+#include "protocol/clock.h"
 
 namespace {
 
@@ -30,15 +30,6 @@ constexpr int kImageSize_px = 256;
 constexpr int kTile_px = 32;
 constexpr size_t kChunk = 2048;   // rays
 constexpr double kLeast_s = 0.4;  // that each set of rays is traced for
-
-double cpu_s(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-double wall_s() {
-  return cpu_s(CLOCK_MONOTONIC);
-}
 
 struct RaySet {
   const char* name;
@@ -60,10 +51,10 @@ Tree build(const std::string& name, const SceneDescription& description, const B
   Tree tree;
   tree.name = name;
   for (int i = 0; i < times; ++i) {
-    const double wall = wall_s(), cpu = cpu_s(CLOCK_PROCESS_CPUTIME_ID);
+    const double wall = now_s(), cpu = cpu_s();
     tree.compiled = compile(description, options);
-    tree.cpu_s = std::min(tree.cpu_s, cpu_s(CLOCK_PROCESS_CPUTIME_ID) - cpu);
-    tree.wall_s = std::min(tree.wall_s, wall_s() - wall);
+    tree.cpu_s = std::min(tree.cpu_s, cpu_s() - cpu);
+    tree.wall_s = std::min(tree.wall_s, now_s() - wall);
   }
   tree.state = std::make_unique<FrameState>(tree.compiled.scene);
   return tree;
@@ -112,21 +103,21 @@ size_t trace(const Tree& tree, const RaySet& set, size_t begin, size_t end) {
 /// Fills best_s; false if the trees do not agree in their hits.
 bool measure(std::vector<Tree>& trees, const std::vector<RaySet>& sets) {
   for (size_t s = 0; s < sets.size(); ++s) {
-    const double begin = wall_s();
+    const double begin = now_s();
     do {
       std::vector<double> took_s(trees.size());
       std::vector<size_t> hits(trees.size());
       for (size_t first = 0; first < sets[s].rays.size(); first += kChunk)
         for (size_t t = 0; t < trees.size(); ++t) {
-          const double start = cpu_s(CLOCK_THREAD_CPUTIME_ID);
+          const double start = thread_cpu_s();
           hits[t] += trace(trees[t], sets[s], first, std::min(sets[s].rays.size(), first + kChunk));
-          took_s[t] += cpu_s(CLOCK_THREAD_CPUTIME_ID) - start;
+          took_s[t] += thread_cpu_s() - start;
         }
       for (size_t t = 0; t < trees.size(); ++t) {
         trees[t].best_s[s] = std::min(trees[t].best_s[s], took_s[t]);
         if (hits[t] != hits[0]) return false;
       }
-    } while (wall_s() - begin < kLeast_s * static_cast<double>(trees.size()));
+    } while (now_s() - begin < kLeast_s * static_cast<double>(trees.size()));
   }
   return true;
 }

@@ -29,7 +29,7 @@ EmbreeScene::EmbreeScene(const Scene& scene, RTCSceneFlags flags) : device_(rtcN
       this);
   std::vector<PartGeometry> geometries;
   for (const Part& part : scene.parts) geometries.push_back(geometry_of(scene, part));
-  const double begin_cpu = process_cpu_s();
+  const double begin_cpu = cpu_s();
   const auto begin = std::chrono::steady_clock::now();
   std::vector<RTCScene> parts(scene.parts.size(), nullptr);
   root_ = new_scene(flags);
@@ -58,7 +58,7 @@ EmbreeScene::EmbreeScene(const Scene& scene, RTCSceneFlags flags) : device_(rtcN
   }
   rtcCommitScene(root_);
   build_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  build_cpu_s_ = process_cpu_s() - begin_cpu;
+  build_cpu_s_ = cpu_s() - begin_cpu;
   for (RTCScene part : parts)
     if (part) rtcReleaseScene(part);
   if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) throw std::runtime_error("Embree reports an error");

@@ -22,11 +22,11 @@ struct Took {
 };
 
 Took time_of(const std::function<void()>& work) {
-  const double begin_cpu = process_cpu_s();
+  const double begin_cpu = cpu_s();
   const auto begin = std::chrono::steady_clock::now();
   work();
   return {std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
-          process_cpu_s() - begin_cpu};
+          cpu_s() - begin_cpu};
 }
 
 /// The most memory that the process had so far.

@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <numbers>
 #include <random>
@@ -17,20 +16,7 @@ namespace {
 constexpr int kImageSize_px = 512;
 constexpr int kTile_px = 32;
 
-double cpu_s(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 }  // namespace
-
-double thread_cpu_s() {
-  return cpu_s(CLOCK_THREAD_CPUTIME_ID);
-}
-double process_cpu_s() {
-  return cpu_s(CLOCK_PROCESS_CPUTIME_ID);
-}
 
 PartGeometry geometry_of(const Scene& scene, const Part& part) {
   PartGeometry geometry;

@@ -6,6 +6,7 @@
 
 #include "common/compile/compile.h"
 #include "common/hierarchy/traverser.h"
+#include "protocol/clock.h"
 
 namespace rayfarm::bench {
 
@@ -43,8 +44,5 @@ struct PartGeometry {
   std::vector<float> spheres;            ///< x, y, z, radius
 };
 PartGeometry geometry_of(const Scene& scene, const Part& part);
-
-double thread_cpu_s();
-double process_cpu_s();
 
 }  // namespace rayfarm::bench

@@ -1,31 +1,23 @@
 #include "host/experiments/bounding-volumes/bounding_runs.h"
 
-#include <ctime>
-
 #include "common/hierarchy/ray_log.h"
 #include "common/hierarchy/traverser.h"
 #include "common/image/image_file.h"
 #include "common/lighting/renderer.h"
 #include "host/experiments/bounding-volumes/weghorst_tables.h"
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
-
-/// Seconds that a processor has worked for this thread: other programs' work does not count.
-double processor_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// The least of several runs.
 template <typename Work>
 double least_s(int runs, Work work) {
   double least = std::numeric_limits<double>::infinity();
   for (int run = 0; run < runs; ++run) {
-    const double begin = processor_s();
+    const double begin = thread_cpu_s();
     work();
-    least = std::min(least, processor_s() - begin);
+    least = std::min(least, thread_cpu_s() - begin);
   }
   return least;
 }

@@ -1,11 +1,11 @@
 #include "host/experiments/hierarchies/construction.h"
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 
 #include "common/compile/compile.h"
 #include "common/hierarchy/frame_state.h"
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
@@ -15,9 +15,9 @@ constexpr int kFrames = 200;
 double median_s(const std::function<void(int frame)>& work) {
   std::vector<double> took_s;
   for (int frame = 1; frame <= kFrames; ++frame) {
-    const auto begin = std::chrono::steady_clock::now();
+    const double begin_s = now_s();
     work(frame);
-    took_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    took_s.push_back(now_s() - begin_s);
   }
   std::nth_element(took_s.begin(), took_s.begin() + kFrames / 2, took_s.end());
   return took_s[kFrames / 2];

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
-#include <ctime>
 #include <numeric>
 #include <set>
 
@@ -11,17 +9,12 @@
 #include "common/hierarchy/storage.h"
 #include "common/hierarchy/traverser.h"
 #include "common/lighting/renderer.h"
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr size_t kChunk = 1024;  ///< rays
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// A scene as it stands at frame 0.
 class StandingScene {
@@ -53,10 +46,10 @@ class StandingScene {
       size_t chunk = 0;
       const auto time_chunks = [&](const std::vector<Ray>& kind, auto search) {
         for (size_t begin = 0; begin < kind.size(); begin += kChunk, ++chunk) {
-          const Clock::time_point start = Clock::now();
+          const double start_s = now_s();
           for (size_t i = begin; i < std::min(kind.size(), begin + kChunk); ++i) search(kind[i]);
           if (chunk == least_s.size()) least_s.push_back(std::numeric_limits<double>::infinity());
-          least_s[chunk] = std::min(least_s[chunk], seconds_since(start));
+          least_s[chunk] = std::min(least_s[chunk], now_s() - start_s);
         }
       };
       for (const std::vector<Ray>* kind : {&rays.eye, &rays.secondary})
@@ -166,9 +159,9 @@ std::pair<CompiledScene, double> build_often(const SceneDescription& description
                                              int builds) {
   std::vector<double> took_s;
   const auto once = [&] {
-    const double begin = process_cpu_s();
+    const double begin = cpu_s();
     CompiledScene compiled = compile(description, build);
-    took_s.push_back(process_cpu_s() - begin);
+    took_s.push_back(cpu_s() - begin);
     return compiled;
   };
   for (int i = 1; i < builds; ++i) once();
@@ -203,12 +196,6 @@ size_t type_of_ray(uint64_t empty_volumes, uint64_t full_volumes, bool is_hit) {
   const uint64_t in_vain = full_volumes - (is_hit && full_volumes > 0 ? 1 : 0);
   if (in_vain > 0) return 2;
   return is_hit && empty_volumes == 0 ? 0 : 1;
-}
-
-double process_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 KindCosts HierarchyRun::all() const {

@@ -79,7 +79,4 @@ struct Effort {
 HierarchyRun run_hierarchy(const SceneDescription& scene, const BuildOptions& build, const PictureRays& rays,
                            const SceneFacts& facts, const Effort& effort);
 
-/// CPU time of all threads of this process.
-double process_cpu_s();
-
 }  // namespace rayfarm

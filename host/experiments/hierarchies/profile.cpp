@@ -1,7 +1,6 @@
 #include "host/experiments/hierarchies/profile.h"
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 
 #include "common/compile/compile.h"
@@ -9,6 +8,7 @@
 #include "common/hierarchy/traverser.h"
 #include "common/image/image_file.h"
 #include "common/lighting/renderer.h"
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
@@ -18,10 +18,9 @@ constexpr int kRuns = 3;
 double least_s(const std::function<void()>& work) {
   double least = std::numeric_limits<double>::infinity();
   for (int run = 0; run < kRuns; ++run) {
-    const auto begin = std::chrono::steady_clock::now();
+    const double begin_s = now_s();
     work();
-    const auto end = std::chrono::steady_clock::now();
-    least = std::min(least, std::chrono::duration<double>(end - begin).count());
+    least = std::min(least, now_s() - begin_s);
   }
   return least;
 }
