@@ -273,7 +273,7 @@ bool is_dark(const Scene& scene, const RenderSettings& settings) {
     const Material& m = scene.materials[i];
     if (is_luminaire(m)) return false;
     const bool has_ambient =
-        settings.lighting == LightingModel::path ? false
+        follows_paths(settings.lighting) ? false
         : settings.lighting == LightingModel::thesis
             ? (has_diffuse_rays(m) ? settings.diffuse_reach > 0 && m.diffuse > 0 : m.ambient > 0)
             : m.ambient > 0;

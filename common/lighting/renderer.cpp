@@ -63,6 +63,7 @@ class Renderer::Rendering {
         small_objects_(renderer.small_objects_),
         eye_items_(renderer.eye_items_ ? &*renderer.eye_items_ : nullptr),
         light_items_(renderer.light_items_ ? &*renderer.light_items_ : nullptr),
+        zones_(renderer.zones_),
         rect_(rect),
         pulse_(pulse),
         film_(rect, make_pixel_layout(settings_.pixel_format)) {}
@@ -100,12 +101,14 @@ class Renderer::Rendering {
     if (eye_items_) [[unlikely]]
       eye_items_->find(moment.pose, rays, at, eye_hits.data(), counted.counts);
     for (const ColouredScene& pass : passes_) {
-      const bool is_first = &pass == &passes_.front();
+      const auto pass_index = static_cast<size_t>(&pass - passes_.data());
+      const bool is_first = pass_index == 0;
       std::array<Color, kMostPacketRays> more;
       Color* const channels = is_first ? colors : more.data();
-      counted.eye_hits += integrator_.trace({pass.scene(), moment.pose, tables_, moment.camera.spread(),
-                                             eye_items_ ? eye_hits.data() : nullptr, light_items_},
-                                            rays, ids, counted.counts, channels);
+      counted.eye_hits += integrator_.trace(
+          {pass.scene(), moment.pose, tables_, moment.camera.spread(), eye_items_ ? eye_hits.data() : nullptr,
+           light_items_, zones_.empty() ? nullptr : &zones_[pass_index]},
+          rays, ids, counted.counts, channels);
       if (pass.pass().is_rgb) break;
       for (size_t i = 0; i < rays.size; ++i) {
         const Color color = pass.pass().rgb_from_channels * channels[i];
@@ -319,6 +322,7 @@ class Renderer::Rendering {
   std::span<const SmallObject> small_objects_;
   EyeItems* eye_items_;            ///< null: none
   const LightItems* light_items_;  ///< null: none
+  std::span<const ZoneLight> zones_;
   PixelRect rect_;
   const std::function<void()>& pulse_;
   Film film_;
@@ -335,6 +339,15 @@ Renderer::Renderer(const Scene& scene, const RenderSettings& settings)
       filter_(settings.filter),
       moments_(scene) {
   if (has_changing_links(scene)) powers_ = light_powers(scene);
+}
+
+void Renderer::set_zones(int frame, std::span<const std::byte> solution) {
+  zones_.clear();
+  zone_scene_ = std::make_unique<ZoneScene>(scene_, settings_, frame);
+  const std::vector<ZonePassSolution> solved =
+      decode_zone_solution(solution, zone_scene_->passes(), zone_scene_->map().slot_count());
+  for (size_t pass = 0; pass < solved.size(); ++pass)
+    zones_.emplace_back(*zone_scene_, pass, solved[pass], settings_.zones.view);
 }
 
 RenderedPixels Renderer::render(int frame, const PixelRect& rect, const std::function<void()>& pulse) {
@@ -359,7 +372,7 @@ void Renderer::set_frame(int frame) {
   light_items_.reset();
   if (settings_.item_buffer != ItemBuffer::none && has_one_eye(scene_, settings_))
     eye_items_.emplace(scene_, now_.front().pose, now_.front().camera, settings_);
-  if (settings_.light_cells > 0 && settings_.lighting != LightingModel::path && now_.size() == 1)
+  if (settings_.light_cells > 0 && !follows_paths(settings_.lighting) && now_.size() == 1)
     light_items_.emplace(shining, now_.front().pose, settings_.light_cells);
   frame_ = frame;
 }

@@ -9,6 +9,7 @@
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/moments.h"
 #include "common/lighting/small_objects.h"
+#include "common/lighting/zones/zone_light.h"
 #include "common/sampling/pixel_filter.h"
 
 namespace rayfarm {
@@ -31,6 +32,10 @@ class Renderer {
   Renderer(const Scene& scene, const RenderSettings& settings);
   Renderer(const Renderer&) = delete;
 
+  /// What zones hold in this frame and all of its pose, for lighting models that have them. Throws
+  /// std::runtime_error if the bytes are damaged, or of other zones; and as ZoneMap.
+  void set_zones(int frame, std::span<const std::byte> solution);
+
   /// `pulse` is called between rays, often; what it throws ends the work. Throws std::domain_error if the
   /// frame has no such view or pose.
   RenderedPixels render(int frame, const PixelRect& rect, const std::function<void()>& pulse);
@@ -46,6 +51,8 @@ class Renderer {
   PixelFilter filter_;
   Moments moments_;
   std::vector<LightPower> powers_;  ///< of the lights, if any come and go
+  std::unique_ptr<ZoneScene> zone_scene_;
+  std::vector<ZoneLight> zones_;  ///< of each pass
 
   // Of the current frame.
   std::optional<int> frame_;

@@ -8,10 +8,20 @@
 #include "common/materials/spectrum.h"
 #include "common/sampling/pixel_filter.h"
 #include "common/sampling/sampler.h"
+#include "common/scene/zone_settings.h"
 
 namespace rayfarm {
 
-enum class LightingModel : uint8_t { phong, torrance_sparrow, whitted, thesis, path };
+enum class LightingModel : uint8_t { phong, torrance_sparrow, whitted, thesis, path, radiosity, zonal };
+
+/// True if light is kept in zones, which are solved before pictures are made.
+inline bool has_zones(LightingModel model) {
+  return model == LightingModel::radiosity || model == LightingModel::zonal;
+}
+/// True if pictures follow paths: of light all the way, or from what zones hold.
+inline bool follows_paths(LightingModel model) {
+  return model == LightingModel::path || has_zones(model);
+}
 
 /// By what the thesis's diffuse rays share the hemisphere evenly, θ from the normal (section 3.3): the light
 /// that passes, sin²θ; or the volume of their cones within the lobe of Lambert's law, 1 - cos⁴θ.
@@ -104,6 +114,7 @@ struct RenderSettings {
   ItemBuffer item_buffer = ItemBuffer::none;
   double item_radius_px = 1;  ///< corners so near to a sample tell of it; one that is a corner needs no other
   uint32_t light_cells = 0;   ///< along a side of each light's map of items; 0: they have none
+  ZoneSettings zones;
   uint64_t seed = 0;
   PixelFormat pixel_format = PixelFormat::half_float;
 
@@ -117,7 +128,7 @@ struct RenderSettings {
     archive(max_reflections, max_transmissions, max_depth, min_weight);
     archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
     archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);
-    archive(item_buffer, item_radius_px, light_cells);
+    archive(item_buffer, item_radius_px, light_cells, zones);
     diffuse_jitter = jitter != 0;
     // A count off the wire asks for no more memory than is allowed; one too large is refused by the checks.
     auto nodes = static_cast<uint32_t>(colour_nodes_nm.size());

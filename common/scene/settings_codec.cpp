@@ -14,7 +14,7 @@ void check_settings(const RenderSettings& settings) {
   if (!is_size(settings.width_px) || !is_size(settings.height_px) || crop.x0 < 0 || crop.y0 < 0 ||
       crop.x0 >= crop.x1 || crop.y0 >= crop.y1 || crop.x1 > settings.width_px || crop.y1 > settings.height_px)
     throw SettingsError("the picture has no such size or crop");
-  if (settings.lighting > LightingModel::path || settings.sampling > SamplingPattern::corners ||
+  if (settings.lighting > LightingModel::zonal || settings.sampling > SamplingPattern::corners ||
       settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral ||
       settings.glass_shadows > GlassShadows::none || settings.ambient_colour > AmbientColour::light ||
       settings.pixel_format > PixelFormat::float32 || settings.diffuse_bands > DiffuseBands::cone ||
@@ -51,6 +51,16 @@ void check_settings(const RenderSettings& settings) {
         "an item buffer keeps 12 bytes for each corner of a pixel: it serves {} pixels at most, and "
         "these are {}; leave out --item-buffer, or render parts (--crop)",
         kMostItemPoints, crop.area()));
+  const ZoneSettings& zones = settings.zones;
+  if (zones.view > ZoneView::gather || zones.form_factors > FormFactors::hemicube ||
+      zones.primary > ZonePrimary::shot || zones.shooting > ZoneShooting::one)
+    throw SettingsError("a choice among the settings of zones does not exist");
+  if (!(zones.size == 0 || (zones.size >= 1e-12 && zones.size <= 1e12)) || zones.rays < 1 ||
+      zones.rays > kMostZoneRays || zones.samples < 1 || zones.samples > 65536 || zones.batch < 1 ||
+      zones.batch > 1 << 20 || !(zones.tolerance >= 1e-9 && zones.tolerance <= 1) ||
+      zones.hemicube_cells < 2 || zones.hemicube_cells > 4096 ||
+      !(zones.most_GiB >= 0.001 && zones.most_GiB <= 1024))
+    throw SettingsError("a number among the settings of zones is out of range");
   if (const uint64_t directions = diffuse_directions_of(settings); directions > kMostDiffuseDirections)
     throw SettingsError(fmt::format(
         "the diffuse rays of all samples of a pixel are laid out at once: {} × {} are {}, more than "

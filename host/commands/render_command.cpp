@@ -9,6 +9,7 @@
 #include "host/commands/commands.h"
 #include "host/commands/hierarchy_options.h"
 #include "host/commands/net_options.h"
+#include "host/commands/zone_options.h"
 #include "host/render/output_pattern.h"
 #include "host/render/render_options.h"
 
@@ -78,9 +79,11 @@ void add_light(Options& options, RenderOptions& o) {
   options.choice<LightingModel>("--lighting", o.settings.lighting,
                                 {{"path", LightingModel::path},
                                  {"phong", LightingModel::phong},
+                                 {"radiosity", LightingModel::radiosity},
                                  {"thesis", LightingModel::thesis},
                                  {"torrance-sparrow", LightingModel::torrance_sparrow},
-                                 {"whitted", LightingModel::whitted}},
+                                 {"whitted", LightingModel::whitted},
+                                 {"zonal", LightingModel::zonal}},
                                 "lighting model (default: whitted)");
   options.number("--diffuse-rays", o.settings.diffuse_rays, 1, 10000,
                  "thesis's model: diffuse rays at each hit (default: 1)");
@@ -274,10 +277,11 @@ void check_combinations(const RenderOptions& o) {
         "--adaptive adds samples to pixels, and --sampling corners takes none; leave one of them out");
   if (s.adaptive_contrast > 0 && s.samples < 2)
     throw UsageError("--adaptive chooses where more than one sample is taken; set --samples");
-  if (s.adaptive_contrast > 0 && s.lighting == LightingModel::path)
+  if (s.adaptive_contrast > 0 && follows_paths(s.lighting))
     throw UsageError(
         "--adaptive compares the first samples of neighbouring pixels, which differ everywhere where "
-        "light is found by chance: it suits phong, torrance-sparrow, whitted and thesis, not path");
+        "light is found by chance: it suits phong, torrance-sparrow, whitted and thesis, not path, radiosity "
+        "and zonal");
   if (!o.time_factors.empty() && !(o.ray_time_s > 0))
     throw UsageError("--processor-times are factors on --processor-time; give that, too");
   if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)
@@ -288,7 +292,7 @@ void check_combinations(const RenderOptions& o) {
 /// limits of the kinds have the depth that they need.
 void set_limits(RenderOptions& o) {
   RenderSettings& s = o.settings;
-  const bool is_path = s.lighting == LightingModel::path, has_depth = o.max_depth || is_path;
+  const bool is_path = follows_paths(s.lighting), has_depth = o.max_depth || is_path;
   if (has_depth) limit_by_depth(s, o.max_depth.value_or(kPathDepth));
   s.max_reflections = o.max_reflections.value_or(s.max_reflections);
   s.max_transmissions = o.max_transmissions.value_or(s.max_transmissions);
@@ -337,6 +341,7 @@ void add_render_command(CommandLine& line) {
   options.text("SCENE", o->scene, ".yaml, .nff or .rfp").required();
   add_picture(options, *o);
   add_light(options, *o);
+  add_zone_options(options, o->settings.zones);
   add_sampling(options, *o);
   options.begin_group("Hierarchy");
   add_hierarchy_options(options, o->build);

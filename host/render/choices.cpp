@@ -121,16 +121,18 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
     notes.emplace_back(
         "--max-depth, --max-reflections and --max-transmissions belong to models that follow light beyond "
         "what the eye sees (path, thesis, whitted), and do nothing here");
-  if ((is_local || s.lighting == LightingModel::path) && s.min_weight != usual.min_weight)
+  if ((is_local || follows_paths(s.lighting)) && s.min_weight != usual.min_weight)
     notes.emplace_back("--min-weight belongs to --lighting thesis and whitted, and does nothing here");
   if (!has_lighting_tree(s.lighting) && (s.reflected_rays > 1 || s.transmitted_rays > 1))
     notes.emplace_back(
         "--reflected-rays and --transmitted-rays belong to --lighting whitted and thesis, and do nothing "
         "here");
-  if (s.lighting == LightingModel::path && s.glass_shadows != GlassShadows::blocked)
-    notes.emplace_back("--glass-shadows does nothing in --lighting path, which follows light through glass");
+  if (follows_paths(s.lighting) && s.glass_shadows != GlassShadows::blocked)
+    notes.emplace_back(
+        "--glass-shadows does nothing in --lighting path, radiosity and zonal, which follow light through "
+        "glass");
   if (s.ambient_colour != AmbientColour::surface &&
-      (s.lighting == LightingModel::thesis || s.lighting == LightingModel::path))
+      (s.lighting == LightingModel::thesis || follows_paths(s.lighting)))
     notes.emplace_back(
         "--ambient-colour belongs to --lighting phong, torrance-sparrow and whitted, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && !options.rotates)
@@ -143,9 +145,11 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
     notes.emplace_back(
         "--item-buffer trusted: the picture may differ from an ordinary one; --item-buffer checked counts "
         "where");
-  if (s.light_cells > 0 && s.lighting == LightingModel::path)
+  if (s.light_cells > 0 && follows_paths(s.lighting))
     notes.emplace_back(
-        "--light-buffer does nothing in --lighting path, whose shadow rays go to a source at random");
+        "--light-buffer does nothing in --lighting path, radiosity and zonal, whose shadow rays go to a "
+        "source at "
+        "random");
   if (options.local_nodes > 0 && !is_one_process)
     notes.emplace_back("--local-nodes does nothing under mpirun: every rank but the host is a node");
   return notes;
@@ -175,7 +179,7 @@ std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneD
       notes.emplace_back(
           "--transmitted-rays does nothing here: no material that transmits has an `exponent`");
   }
-  if (s.glass_shadows != GlassShadows::blocked && s.lighting != LightingModel::path &&
+  if (s.glass_shadows != GlassShadows::blocked && !follows_paths(s.lighting) &&
       !have([](const Material& m) { return m.transmit > 0; }))
     notes.emplace_back("--glass-shadows does nothing here: no material transmits light");
   return notes;
@@ -188,7 +192,7 @@ std::vector<std::string> name_idle_items(const RenderSettings& s, const Scene& s
         "--item-buffer does nothing here: through a lens, or while the shutter is open on what moves, eye "
         "rays have "
         "no common origin");
-  if (s.light_cells == 0 || s.lighting == LightingModel::path) return notes;
+  if (s.light_cells == 0 || follows_paths(s.lighting)) return notes;
   if (is_blurred(scene, s)) {
     notes.emplace_back("--light-buffer does nothing here: things move while the shutter is open");
     return notes;
@@ -221,7 +225,7 @@ std::vector<std::string> name_idle_shading(const RenderSettings& settings, const
   const auto any = [&](const auto& polygons) {
     return std::any_of(polygons.begin(), polygons.end(), is_gouraud);
   };
-  if (settings.lighting == LightingModel::path &&
+  if (follows_paths(settings.lighting) &&
       (any(scene.triangle_shading) || any(scene.polygons) || any(scene.mesh_faces)))
     return {"`smooth: gouraud` belongs to the classical lighting models; `path` interpolates the normals"};
   return {};

@@ -13,6 +13,8 @@ std::unique_ptr<Integrator> make_integrator(LightingModel model) {
     case LightingModel::thesis:
       return make_thesis();
     case LightingModel::path:
+    case LightingModel::radiosity:  // paths that end at zones
+    case LightingModel::zonal:
       return make_path();
   }
   return nullptr;

@@ -11,6 +11,7 @@
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
 #include "common/lighting/textured.h"
+#include "common/lighting/zones/zone_light.h"
 
 namespace rayfarm {
 namespace {
@@ -27,6 +28,7 @@ struct Path {
   double pdf = 0;  ///< of the last direction; 0: only chance could have led here, as along a mirror's
   double width = 0, spread = 0;  ///< of the ray's cone
   uint32_t depth = 1, reflections = 0, transmissions = 0;
+  bool is_gathering = false;  ///< its last turn was by chance all over: zones that it meets end it
 };
 static_assert(std::is_trivially_copyable_v<Path>);
 
@@ -80,6 +82,11 @@ class PathTracer {
     LaneSet together = 0, go_on = 0;
     if (is_in_lanes_) {
       LaneSet met = eval_surfaces(scene_, pose_, lanes_.rays, hits.data(), lanes_.surfaces);
+      if (context_.zones)
+        for_each_lane(met, [&](size_t lane) {
+          if (ends_at_zones(paths_[lanes_.places[lane]]) && context_.zones->grid_of(hits[lane]))
+            met &= ~(LaneSet{1} << lane);
+        });
       if (depth_ >= settings_.max_depth) met = 0;
       for_each_lane(met, [&](size_t lane) {
         if (prepare(lane, hits[lane])) together |= LaneSet{1} << lane;
@@ -133,7 +140,10 @@ class PathTracer {
         step_in_lanes({context_, ids_, depth_, depth_ >= kFirstRoulette}, lanes, lanes_, shadows_);
     for_each_lane(step.go_on, [&](size_t lane) {
       Path& path = paths_[lanes_.places[lane]];
-      if (step.is_diffuse >> lane & 1) path.spread = kDiffuseSpread;
+      if (step.is_diffuse >> lane & 1) {
+        path.spread = kDiffuseSpread;
+        path.is_gathering = true;
+      }
       const bool is_transmitted = step.is_transmitted >> lane & 1;
       ++(is_transmitted ? path.transmissions : path.reflections);
       if (is_transmitted && (lanes_.dielectrics >> lane & 1))
@@ -183,10 +193,10 @@ class PathTracer {
       at.index_ratio = crossing.index_ratio;
     }
     add_emission(path, ray, hit, surface, material, at);
-    if (path.depth >= settings_.max_depth) return false;
-
     Lobes lobes;
     scatter(material, at, lobes);
+    if (context_.zones && ends_at_zones(path)) take_from_zones(path, hit, surface, at, lobes);
+    if (path.depth >= settings_.max_depth) return false;
     keep_allowed(path, lobes);
     if (has_diffuse_rays(material)) {
       add_direct_light(path, surface, at, lobes, lobes);
@@ -204,6 +214,7 @@ class PathTracer {
     path.throughput *= next.weight;
     path.pdf = next.pdf;
     if (next.spread == Lobe::Spread::diffuse) path.spread = kDiffuseSpread;
+    path.is_gathering |= next.spread != Lobe::Spread::perfect;
     if ((glm::dot(surface.geometric_normal, next.direction) > 0) == next.is_transmitted) return false;
     if (!survives(path, is_risky ? lobe.y : 0)) return false;
     if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
@@ -214,6 +225,23 @@ class PathTracer {
                                               : counts_[RayKind::reflected]);
     ray = {surface.ray_origin(next.direction), next.direction};
     return true;
+  }
+
+  /// Whether light that zones keep is read from them where the path is.
+  bool ends_at_zones(const Path& path) const {
+    return path.is_gathering || context_.zones->view() != ZoneView::gather;
+  }
+
+  /// Adds what zones keep, and leaves the lobes that they do not.
+  void take_from_zones(const Path& path, const Hit& hit, const Surface& surface, const Interaction& at,
+                       Lobes& lobes) {
+    const ZoneGrid* const grid = context_.zones->grid_of(hit);
+    if (!grid) return;
+    colors_[path.place] += path.throughput * context_.zones->radiance(*grid, hit, surface, at, lobes);
+    Lobes kept, others;
+    for (const Lobe& lobe : lobes) (is_kept(*grid, lobe) ? kept : others).push_back(lobe);
+    if (context_.zones->view() == ZoneView::direct) add_direct_light(path, surface, at, kept, Lobes());
+    lobes = others;
   }
 
   /// Light that has been reflected or transmitted as often as is allowed goes on by the other lobes alone. So

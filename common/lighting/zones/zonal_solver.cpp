@@ -1,0 +1,259 @@
+// The host's part of progressive refinement: it holds the sums.
+#include <fmt/core.h>
+
+#include <map>
+#include <numbers>
+
+#include "common/lighting/zones/primary_light.h"
+#include "common/lighting/zones/shooting.h"
+#include "common/lighting/zones/zone_solution.h"
+#include "common/lighting/zones/zone_solver.h"
+
+namespace rayfarm {
+namespace {
+
+/// Light in a scene of all but white surfaces needs no more.
+constexpr uint32_t kMostRounds = 100'000;
+
+/// A sum of all zones' power has room in 63 bits as long as light is reflected fewer than 1024 times.
+constexpr double kQuanta = 0x1p52;
+
+class ZonalSolver : public ZoneSolver {
+ public:
+  ZonalSolver(const Scene& scene, const RenderSettings& settings, int frame)
+      : settings_(settings),
+        zones_(scene, settings, frame),
+        mirrors_(zones_.map()),
+        unsent_(slots()),
+        next_(slots()) {}
+
+  std::optional<ZoneStage> next_stage() override {
+    if (stage_) end_stage();
+    if (solved_.size() == zones_.passes()) return std::nullopt;
+    const auto pass = static_cast<uint32_t>(solved_.size());
+    if (!stage_) {
+      head_ = {ZoneStageKind::light, pass, 0, {}, 0, 1};
+      current_.emplace(slots());
+      unsent_.clear();
+      stage_ = ZoneStageKind::light;
+      const uint64_t points = uint64_t{2} * settings_.zones.samples;
+      return make_stage("light from sources", zones_.map().cell_count(),
+                        std::max<uint64_t>(1, settings_.zones.batch / points));
+    }
+    if (stage_ == ZoneStageKind::light && mirrors_.count() > 0) {
+      head_.kind = ZoneStageKind::mirrors;
+      stage_ = ZoneStageKind::mirrors;
+      const uint64_t points = settings_.zones.samples;
+      return make_stage("light by mirrors and glass", mirrors_.count(),
+                        std::max<uint64_t>(1, settings_.zones.batch / points));
+    }
+    return next_round();
+  }
+
+  void add(uint64_t item, std::span<const std::byte> result) override {
+    if (stage_ == ZoneStageKind::light) {
+      check_light(item, result);
+      measured_.emplace(item, std::vector(result.begin(), result.end()));
+      return;
+    }
+    PackedReader in(result);
+    const Power sent = in.power(), absorbed = in.power(), escaped = in.power();
+    PowerSums kept(slots()), direct(slots());
+    in.sums(slots(), [&](uint64_t slot, const Power& power) { kept[slot] = power; });
+    in.sums(slots(), [&](uint64_t slot, const Power& power) { direct[slot] = power; });
+    in.expect_end();
+    if (stage_ == ZoneStageKind::mirrors) current_->primary += sent;
+    current_->absorbed += absorbed;
+    current_->escaped += escaped;
+    kept.for_each([&](uint64_t slot, const Power& power) { next_[slot] += power; });
+    direct.for_each([&](uint64_t slot, const Power& power) { current_->direct[slot] += power; });
+  }
+
+  ZoneProgress progress() const override {
+    ZoneProgress progress;
+    progress.rounds = static_cast<int>(head_.round);
+    progress.rays = rays_;
+    const double primary = current_ ? current_->primary.total() : 0;
+    progress.unsent = stage_ == ZoneStageKind::shoot && primary > 0 ? unsent_total_ / primary : 1;
+    return progress;
+  }
+
+  std::vector<std::byte> solution() const override { return encode_zone_solution(solved_); }
+
+ private:
+  uint64_t slots() const { return zones_.map().slot_count(); }
+  const Scene& scene() const { return zones_.scene(head_.pass); }
+
+  ZoneStage make_stage(const std::string& name, uint64_t units, uint64_t units_per_item) {
+    PackedWriter out;
+    write(out, head_);
+    if (head_.kind == ZoneStageKind::shoot) out.sums(sending_ ? *sending_ : unsent_);
+    units_ = units;
+    units_per_item_ = units_per_item;
+    return {name, out.take(), units, units_per_item};
+  }
+
+  /// Calls visit(cell, followed, slot, direct, by_chance) for what an item tells; visit(cell, followed) once
+  /// for each cell.
+  template <typename VisitCell, typename VisitSlot>
+  void read_light(uint64_t item, std::span<const std::byte> result, VisitCell visit_cell,
+                  VisitSlot visit_slot) const {
+    PackedReader in(result);
+    const uint64_t first = item * units_per_item_, end = std::min(units_, first + units_per_item_);
+    for (uint64_t i = first; i < end; ++i) {
+      const ZoneGrid& grid = zones_.map().grids()[zones_.map().grid_of_cell(i)];
+      const uint64_t slots = 2 * grid.store.slots();
+      const uint64_t first_slot = grid.slot(static_cast<uint32_t>(i - grid.first_cell), 0);
+      const uint64_t lit = in.number(), has_followed = in.number();
+      if (lit > slots || has_followed > 1) throw PackedReader::damaged();
+      visit_cell(has_followed ? in.color() : Color(0));
+      for (uint64_t s = 0; s < lit; ++s) {
+        const uint64_t slot = in.number();
+        if (slot >= slots) throw PackedReader::damaged();
+        const Color direct = in.color(), by_chance = in.color();
+        visit_slot(first_slot + slot, direct, by_chance);
+      }
+    }
+    in.expect_end();
+  }
+  void check_light(uint64_t item, std::span<const std::byte> result) const {
+    read_light(
+        item, result, [](const Color&) {}, [](uint64_t, const Color&, const Color&) {});
+  }
+
+  /// Sums of doubles, in the order of zones whatever the order in which they came.
+  void end_light() {
+    Color primary(0);
+    for (const auto& [item, bytes] : measured_)
+      read_light(
+          item, bytes, [&](const Color& followed) { primary += followed; },
+          [&](uint64_t, const Color& direct, const Color& by_chance) { primary += direct + by_chance; });
+    const std::vector<std::pair<uint64_t, Color>> shot = find_shot();
+    for (const auto& [slot, power] : shot) primary += power;
+    for (int c = 0; c < 3; ++c) head_.quantum.worth[static_cast<size_t>(c)] = primary[c] / kQuanta;
+    current_->quantum = head_.quantum;
+    for (const auto& [item, bytes] : measured_)
+      read_light(
+          item, bytes, [](const Color&) {},
+          [&](uint64_t slot, const Color& direct, const Color& by_chance) {
+            const Power from_sources = head_.quantum.quantized(direct),
+                        by_others = head_.quantum.quantized(by_chance);
+            current_->direct[slot] += from_sources;
+            Power both = from_sources;
+            both += by_others;
+            current_->primary += both;
+            keep(slot, both);
+          });
+    for (const auto& [slot, power] : shot) {
+      const Power quanta = head_.quantum.quantized(power);
+      current_->primary += quanta;
+      unsent_[slot] += quanta;  // what is emitted is seen as such, and not counted as reflected
+    }
+    measured_.clear();
+  }
+
+  /// Power that a zone got: it is to be sent on, unless its material doesn't.
+  void keep(uint64_t slot, const Power& power) {
+    current_->total[slot] += power;
+    if (is_sent_on(zones_.map(), slot))
+      unsent_[slot] += power;
+    else
+      current_->absorbed += power;
+  }
+
+  /// What zones of sources emit that are to shoot.
+  std::vector<std::pair<uint64_t, Color>> find_shot() const {
+    std::vector<std::pair<uint64_t, Color>> shot;
+    for (const Light& light : scene().lights) {
+      if (!is_shot(scene(), settings_.zones, light)) continue;
+      Hit hit;
+      hit.instance = light.instance;
+      hit.primitive = light.primitive;
+      const ZoneGrid* const grid = zones_.map().grid_of(hit);
+      if (!grid) continue;
+      const Material& material = scene().materials[light.material];
+      for (uint32_t cell = 0; cell < grid->cell_count; ++cell)
+        shot.emplace_back(grid->slot(cell, material.is_inward),
+                          std::numbers::pi * zones_.map().area(*grid, cell) * material.emission);
+    }
+    return shot;
+  }
+
+  void end_stage() {
+    if (stage_ == ZoneStageKind::light) end_light();
+    if (stage_ == ZoneStageKind::shoot) {
+      if (sending_) {  // the others keep what they have
+        sending_->for_each([&](uint64_t slot, const Power& power) { unsent_[slot] -= power; });
+        sending_.reset();
+      } else {
+        unsent_.clear();
+      }
+      ++head_.round;
+    }
+    next_.for_each([&](uint64_t slot, const Power& power) { keep(slot, power); });
+    next_.clear();
+  }
+
+  std::optional<ZoneStage> next_round() {
+    Power unsent;
+    uint64_t fullest = 0;
+    double most = 0;
+    unsent_.for_each([&](uint64_t slot, const Power& power) {
+      unsent += power;
+      if (power.total() > most) {
+        most = power.total();
+        fullest = slot;
+      }
+    });
+    unsent_total_ = unsent.total();
+    const bool is_enough = unsent_total_ <= settings_.zones.tolerance * current_->primary.total();
+    if (is_enough || !(unsent_total_ > 0) || head_.round >= kMostRounds) {
+      current_->unsent = unsent;
+      current_->rounds = head_.round;
+      solved_.push_back(std::move(*current_));
+      current_.reset();
+      stage_.reset();
+      return next_stage();
+    }
+    if (stage_ != ZoneStageKind::shoot) {
+      head_.rays = static_cast<double>(settings_.zones.rays);
+      head_.first = unsent_total_;
+    }
+    head_.kind = ZoneStageKind::shoot;
+    stage_ = ZoneStageKind::shoot;
+    uint64_t rays = 0;
+    if (settings_.zones.shooting == ZoneShooting::one) {
+      sending_.emplace(slots());
+      (*sending_)[fullest] = unsent_[fullest];
+      rays = ray_count(unsent_[fullest], head_);
+    } else {
+      unsent_.for_each([&](uint64_t, const Power& power) { rays += ray_count(power, head_); });
+    }
+    rays_ += rays;
+    return make_stage(fmt::format("round {}", head_.round + 1), rays, settings_.zones.batch);
+  }
+
+  RenderSettings settings_;
+  ZoneScene zones_;
+  MirrorUnits mirrors_;
+  std::vector<ZonePassSolution> solved_;
+  // Of the pass that is worked on.
+  std::optional<ZonePassSolution> current_;
+  PowerSums unsent_, next_;           ///< to send; and what came in this stage
+  std::optional<PowerSums> sending_;  ///< of it, what is sent, if not all
+  double unsent_total_ = 0;
+  uint64_t rays_ = 0;
+  // Of the stage that is worked on; none before a pass's first.
+  std::optional<ZoneStageKind> stage_;
+  ZoneStageHead head_;
+  uint64_t units_ = 0, units_per_item_ = 1;
+  std::map<uint64_t, std::vector<std::byte>> measured_;  ///< by item
+};
+
+}  // namespace
+
+std::unique_ptr<ZoneSolver> make_zonal_solver(const Scene& scene, const RenderSettings& settings, int frame) {
+  return std::make_unique<ZonalSolver>(scene, settings, frame);
+}
+
+}  // namespace rayfarm

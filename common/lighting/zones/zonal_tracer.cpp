@@ -1,0 +1,243 @@
+// A node's part of progressive refinement.
+#include <numeric>
+
+#include "common/lighting/textured.h"
+#include "common/lighting/zones/power_rays.h"
+#include "common/lighting/zones/primary_light.h"
+#include "common/lighting/zones/shooting.h"
+#include "common/lighting/zones/zone_solver.h"
+#include "common/materials/fresnel.h"
+#include "common/sampling/warps.h"
+
+namespace rayfarm {
+namespace {
+
+/// Between calls of `pulse`.
+constexpr uint64_t kRaysPerPulse = 64;
+
+class ZonalTracer : public ZoneTracer {
+ public:
+  ZonalTracer(const Scene& scene, const RenderSettings& settings, int frame)
+      : settings_(settings),
+        zones_(scene, settings, frame),
+        sampler_({SamplingPattern::sobol, 1, settings.seed}, frame),
+        mirrors_(zones_.map()),
+        colors_(zones_.passes()) {}
+
+  void begin(std::span<const std::byte> stage_data) override {
+    PackedReader in(stage_data);
+    head_ = read_stage_head(in, zones_.passes());
+    slots_.clear();
+    unsent_.clear();
+    first_ray_.assign(1, 0);
+    if (head_.kind == ZoneStageKind::shoot)
+      in.sums(zones_.map().slot_count(), [&](uint64_t slot, const Power& power) {
+        slots_.push_back(slot);
+        unsent_.push_back(power);
+        first_ray_.push_back(first_ray_.back() + ray_count(power, head_));
+      });
+    in.expect_end();
+    if (!colors_[head_.pass]) colors_[head_.pass].emplace(zones_.scene(head_.pass), zones_.map());
+  }
+
+  ZoneItemResult work(uint64_t first, uint64_t count, const std::function<void()>& pulse) override {
+    const uint64_t units = head_.kind == ZoneStageKind::light     ? zones_.map().cell_count()
+                           : head_.kind == ZoneStageKind::mirrors ? mirrors_.count()
+                                                                  : first_ray_.back();
+    if (first > units || count > units - first) throw std::runtime_error("zones have no such units");
+    ZoneItemResult result;
+    result.bytes = head_.kind == ZoneStageKind::light ? measure_light(first, count, pulse, result.rays)
+                                                      : send_rays(first, count, pulse, result.rays);
+    return result;
+  }
+
+ private:
+  const Scene& scene() const { return zones_.scene(head_.pass); }
+  const ZoneColors& colors() const { return *colors_[head_.pass]; }
+
+  /// A surface as light from one direction finds it.
+  struct Lit {
+    Surface surface;
+    Material material;
+    Interaction at;
+    Lobes lobes;
+  };
+  /// `choice`: of a mix. `index_ratio` of dielectrics is that against air.
+  Lit look_at(const ZonePoint& point, const Vec3& to_source, double choice) const {
+    Lit lit{point.surface, scene().materials[point.surface.material], {}, {}};
+    if (is_textured(lit.material))
+      lit.material = textured(scene(), zones_.pose(), {point.surface.p, -to_source}, point.hit,
+                              zones_.map().size() / 4, choice, lit.surface);
+    lit.at = interaction_at(lit.surface, -to_source, lit.material);
+    scatter(lit.material, lit.at, lit.lobes);
+    return lit;
+  }
+  double choice_of(const SampleId& id) const { return sampler_.point(id, dimension::of_mix(0)).x; }
+
+  /// What zones keep of the light straight from sources, and what of it goes on from their surfaces.
+  std::vector<std::byte> measure_light(uint64_t first, uint64_t count, const std::function<void()>& pulse,
+                                       RayCounts& counts) const {
+    const ZoneMap& map = zones_.map();
+    const PrimaryLight light(scene(), map, sampler_, settings_);
+    PackedWriter out;
+    for (uint64_t i = first; i < first + count; ++i) {
+      const ZoneGrid& grid = map.grids()[map.grid_of_cell(i)];
+      const auto cell = static_cast<uint32_t>(i - grid.first_cell);
+      const uint64_t slots = 2 * grid.store.slots(), first_slot = grid.slot(cell, 0);
+      std::vector<Color> direct(slots, Color(0)), chance(slots, Color(0));
+      Color followed(0);
+      const bool is_seen =
+          grid.store.is_any() || is_followed_at(scene(), scene().materials[grid.material], grid);
+      for (uint32_t side = 0; side < 2 && is_seen && map.area(grid, cell) > 0; ++side)
+        light.for_each_arrival(
+            grid, cell, side, counts, [&](const ZonePoint& point, uint32_t sample, const Arrival& arrival) {
+              const SampleId id = PrimaryLight::id_of(i, side, sample);
+              const Lit lit = look_at(point, arrival.to_source, choice_of(id));
+              for (const Lobe& lobe : followed_lobes(&grid, lit.material, lit.at, lit.lobes))
+                followed += arrival.power * lobe.attenuation;
+              if (!grid.store.is_any()) return;
+              KeptParts parts;
+              find_kept(
+                  grid, cell, colors()(grid, cell), lit.surface, lit.at, lit.lobes, point.tangent,
+                  [&](uint32_t k) {
+                    return sampler_.point({id.x, id.y, 16 * sample + k},
+                                          dimension::of_bounce(1, dimension::kLightPoint));
+                  },
+                  parts);
+              for (const KeptPart& part : parts)
+                (arrival.is_by_chance ? chance : direct)[part.slot - first_slot] +=
+                    arrival.power * part.fraction;
+            });
+      uint64_t lit_slots = 0;
+      for (uint64_t s = 0; s < slots; ++s)
+        lit_slots += direct[s] != Color(0) || chance[s] != Color(0) ? 1 : 0;
+      out.number(lit_slots);
+      out.number(followed == Color(0) ? 0 : 1);
+      if (followed != Color(0)) out.color(followed);
+      for (uint64_t s = 0; s < slots; ++s) {
+        if (direct[s] == Color(0) && chance[s] == Color(0)) continue;
+        out.number(s);
+        out.color(direct[s]);
+        out.color(chance[s]);
+      }
+      pulse();
+    }
+    return out.take();
+  }
+
+  std::vector<std::byte> send_rays(uint64_t first, uint64_t count, const std::function<void()>& pulse,
+                                   RayCounts& counts) {
+    PowerTally tally(zones_.map().slot_count());
+    PowerTracer tracer(scene(), zones_.map(), colors(), sampler_, settings_, tally, counts);
+    for (uint64_t unit = first; unit < first + count; ++unit) {
+      if (head_.kind == ZoneStageKind::mirrors)
+        send_from_mirror(mirrors_[unit], tracer, counts);
+      else
+        send_from_zone(unit, tracer, tally);
+      if (unit % kRaysPerPulse == 0) pulse();
+    }
+    tracer.finish();
+    PackedWriter out;
+    out.power(tally.sent);
+    out.power(tally.absorbed);
+    out.power(tally.escaped);
+    out.sums(tally.kept);
+    out.sums(tally.direct);
+    return out.take();
+  }
+
+  void send_from_mirror(const MirrorUnits::Unit& unit, PowerTracer& tracer, RayCounts& counts) {
+    const ZoneMap& map = zones_.map();
+    if (!(map.area(*unit.grid, unit.cell) > 0)) return;
+    const PrimaryLight light(scene(), map, sampler_, settings_);
+    const uint64_t cell = unit.grid->first_cell + uint64_t{unit.cell};
+    light.for_each_arrival(
+        *unit.grid, unit.cell, unit.side, counts,
+        [&](const ZonePoint& point, uint32_t sample, const Arrival& arrival) {
+          const SampleId id = PrimaryLight::id_of(cell, unit.side, sample);
+          const Lit lit = look_at(point, arrival.to_source, choice_of(id));
+          const Lobes followed = followed_lobes(unit.grid, lit.material, lit.at, lit.lobes);
+          if (followed.empty()) return;
+          const ScatteredRay next = rayfarm::sample(
+              followed, lit.at, sampler_.point(id, dimension::of_bounce(1, dimension::kDirection)),
+              sampler_.point(id, dimension::of_bounce(1, dimension::kLobe)).x);
+          if (next.weight == Color(0) ||
+              (glm::dot(lit.surface.geometric_normal, next.direction) > 0) == next.is_transmitted)
+            return;
+          PowerRay ray;
+          ray.ray = {lit.surface.ray_origin(next.direction), next.direction};
+          ray.power = head_.quantum.quantized(arrival.power * next.weight);
+          // Two rays may leave a point: what a source sent, and what was found by chance.
+          ray.id = {id.x, id.y - (arrival.is_by_chance ? 2 : 0), sample};
+          ray.depth = 2;
+          if (next.is_transmitted && lit.material.kind == MaterialKind::dielectric)
+            ray.media.cross(lit.surface.material, lit.surface.is_front);
+          if (!ray.power.is_zero()) tracer.send(ray);
+        });
+  }
+
+  /// The ray's share of what its zone has to send.
+  void send_from_zone(uint64_t unit, PowerTracer& tracer, PowerTally& tally) {
+    const auto found = std::upper_bound(first_ray_.begin(), first_ray_.end(), unit) - 1;
+    const auto index = static_cast<size_t>(found - first_ray_.begin());
+    const uint64_t number = unit - *found, slot = slots_[index];
+    const auto rays = static_cast<int64_t>(ray_count(unsent_[index], head_));
+    const ZoneMap& map = zones_.map();
+    const SlotPlace place = map.place_of_slot(slot);
+    const ZoneGrid& grid = map.grids()[place.grid];
+    Power power;
+    for (size_t c = 0; c < 3; ++c)
+      power[c] = unsent_[index][c] / rays + (std::cmp_less(number, unsent_[index][c] % rays) ? 1 : 0);
+    PowerRay ray;
+    ray.id = {static_cast<int>(slot & 0x7fffffff),
+              static_cast<int>(slot >> 31 << 20 | (head_.round & 0xfffff)), static_cast<uint32_t>(number)};
+    const ZonePoint point =
+        map.point(grid, place.cell, place.side, sampler_.point(ray.id, kOnZone), [&](uint32_t i) {
+          const auto r = random_pair(settings_.seed, sampler_.frame(), ray.id, dimension::of_mix(i + 1));
+          return Vec2(r[0], r[1]);
+        });
+    Vec2 u = sampler_.point(ray.id, dimension::of_bounce(0, dimension::kDirection));
+    if (place.direction > 0) {
+      const uint32_t n = grid.store.direction_cells, cell = place.direction - 1;
+      u = (Vec2(cell % n, cell / n) + u) / static_cast<double>(n);
+    }
+    const DirectionFrame frame(point.surface.geometric_normal, point.tangent);
+    const Vec3 local = direction_at(u), direction = frame.to_world(local);
+    ray.ray = {point.surface.ray_origin(direction), direction};
+    ray.power =
+        place.direction > 0 ? power : scaled(power, Color(passed_by_polish(point, direction, ray.id)));
+    ray.is_direct = head_.round == 0 && settings_.zones.primary == ZonePrimary::shot;
+    Power lost = power;
+    lost -= ray.power;
+    tally.absorbed += lost;
+    tally.sent += lost;
+    tracer.send(ray);
+  }
+
+  /// What a substrate sends through its polish in a direction.
+  double passed_by_polish(const ZonePoint& point, const Vec3& direction, const SampleId& id) const {
+    const Material* material = &scene().materials[point.surface.material];
+    if (material->kind != MaterialKind::polished && material->kind != MaterialKind::mix) return 1;
+    const Lit lit = look_at(point, direction, choice_of(id));
+    if (lit.material.kind != MaterialKind::polished) return 1;
+    return 1 - fresnel_dielectric(glm::dot(lit.at.normal, lit.at.to_viewer), lit.material.index);
+  }
+
+  RenderSettings settings_;
+  ZoneScene zones_;
+  Sampler sampler_;
+  MirrorUnits mirrors_;
+  std::vector<std::optional<ZoneColors>> colors_;
+  // Of the stage.
+  ZoneStageHead head_;
+  std::vector<uint64_t> slots_, first_ray_;  ///< that send, and where each one's rays begin
+  std::vector<Power> unsent_;
+};
+
+}  // namespace
+
+std::unique_ptr<ZoneTracer> make_zonal_tracer(const Scene& scene, const RenderSettings& settings, int frame) {
+  return std::make_unique<ZonalTracer>(scene, settings, frame);
+}
+
+}  // namespace rayfarm

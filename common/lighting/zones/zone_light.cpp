@@ -1,0 +1,183 @@
+#include "common/lighting/zones/zone_light.h"
+
+#include <numbers>
+#include <unordered_map>
+
+#include "common/sampling/random.h"
+
+namespace rayfarm {
+namespace {
+
+using std::numbers::pi;
+
+/// `a` over `b` where there is any.
+Color over(const Color& a, const Color& b) {
+  Color result(0);
+  for (int c = 0; c < 3; ++c)
+    if (b[c] > 0) result[c] = a[c] / b[c];
+  return result;
+}
+
+/// Corners so near to each other, in parts of the scene's size, are one.
+constexpr double kCornerGrid = 0x1p-24;
+
+/// What tells corners apart. Rounding is askew, so that places that scenes prefer are not on its edges.
+struct CornerKey {
+  std::array<int64_t, 3> p{};
+  std::array<int32_t, 3> normal{};
+  uint32_t material = 0;
+  bool operator==(const CornerKey&) const = default;
+};
+struct CornerHash {
+  size_t operator()(const CornerKey& key) const {
+    uint64_t h = key.material;
+    for (size_t i = 0; i < 3; ++i)
+      h = mix_bits(mix_bits(h ^ static_cast<uint64_t>(key.p[i])) ^ static_cast<uint32_t>(key.normal[i]));
+    return h;
+  }
+};
+
+}  // namespace
+
+ZoneLight::ZoneLight(const ZoneScene& zones, size_t pass, const ZonePassSolution& solution, ZoneView view)
+    : map_(zones.map()),
+      colors_(zones.scene(pass), zones.map()),
+      view_(view),
+      values_(map_.slot_count(), glm::vec3(0)) {
+  solution.total.for_each([&](uint64_t slot, const Power& total) {
+    const SlotPlace place = map_.place_of_slot(slot);
+    const ZoneGrid& grid = map_.grids()[place.grid];
+    const double area = map_.area(grid, place.cell);
+    if (!(area > 0)) return;
+    const Color power = solution.quantum.value(total);
+    if (place.direction > 0) {
+      const double cells = grid.store.direction_cells;
+      values_[slot] = power * (cells * cells / (pi * area));
+    } else {
+      values_[slot] = power / area;
+    }
+  });
+  if (view == ZoneView::direct)
+    solution.direct.for_each([&](uint64_t slot, const Power& direct) {
+      const SlotPlace place = map_.place_of_slot(slot);
+      const ZoneGrid& grid = map_.grids()[place.grid];
+      const double area = map_.area(grid, place.cell), cells = grid.store.direction_cells;
+      if (!(area > 0)) return;
+      const Color value =
+          solution.quantum.value(direct) * (place.direction > 0 ? cells * cells / (pi * area) : 1 / area);
+      // The total has it in it; what is left may be a rounding error.
+      values_[slot] = glm::max(Color(values_[slot]) - value, Color(0));
+    });
+  for (const ZoneGrid& grid : map_.grids()) {
+    if (!grid.store.is_diffuse || !colors_.is_textured(grid)) continue;
+    for (uint32_t cell = 0; cell < grid.cell_count; ++cell)
+      for (uint32_t side = 0; side < 2; ++side) {
+        glm::vec3& value = values_[grid.slot(cell, side)];
+        value = over(value, colors_(grid, cell).reflected[side] + colors_(grid, cell).through);
+      }
+  }
+  if (view != ZoneView::flat) find_corners();
+}
+
+void ZoneLight::find_corners() {
+  shared_corner_.assign(map_.corner_count(), kNone);
+  Box bounds;
+  for (uint32_t i = 0; i < map_.scene().instances.size(); ++i)
+    if (!map_.pose()[i].is_hidden) bounds.grow(map_.pose()[i].bounds);
+  const double step = kCornerGrid * std::max(max_component(bounds.extent()), bounds.magnitude() * 1e-8);
+  std::unordered_map<CornerKey, uint32_t, CornerHash> numbers;
+  std::vector<std::array<double, 2>> areas;
+  std::vector<std::array<Color, 2>> sums;
+  for (const ZoneGrid& grid : map_.grids()) {
+    if (!grid.store.is_diffuse) continue;
+    const InstancePose& place = map_.pose()[grid.instance];
+    for (uint32_t cell = 0; cell < grid.cell_count; ++cell) {
+      const double area = map_.area(grid, cell);
+      if (!(area > 0)) continue;
+      for (const uint32_t corner : map_.corners_of(grid, cell)) {
+        uint32_t& shared = shared_corner_[grid.first_corner + corner];
+        if (shared == kNone) {
+          const ZoneMap::Corner at = map_.corner(grid, corner);
+          const Vec3 p = place.is_identity ? at.p : place.world_from_object.point(at.p);
+          const Vec3 normal = place.is_identity
+                                  ? at.normal
+                                  : normalized(place.object_from_world.normal_by_inverse(at.normal));
+          CornerKey key;
+          key.material = grid.material;
+          for (int i = 0; i < 3; ++i) {
+            key.p[static_cast<size_t>(i)] = static_cast<int64_t>(std::floor(p[i] / step + 0.381966));
+            key.normal[static_cast<size_t>(i)] =
+                static_cast<int32_t>(std::floor(normal[i] * 1000 + 0.381966));
+          }
+          shared = numbers.emplace(key, static_cast<uint32_t>(areas.size())).first->second;
+          if (shared == areas.size()) {
+            areas.emplace_back();
+            sums.push_back({Color(0), Color(0)});
+          }
+        }
+        for (uint32_t side = 0; side < 2; ++side) {
+          areas[shared][side] += area;
+          sums[shared][side] += area * Color(kept_diffusely(grid, cell, side));
+        }
+      }
+    }
+  }
+  for (size_t i = 0; i < areas.size(); ++i)
+    for (size_t side = 0; side < 2; ++side) corner_values_.push_back(sums[i][side] / areas[i][side]);
+}
+
+Color ZoneLight::diffuse(const ZoneGrid& grid, const GridPlace& place, uint32_t side) const {
+  if (view_ == ZoneView::flat) return kept_diffusely(grid, map_.cell_at(grid, place), side);
+  const CellCorners corners = map_.corners_at(grid, place);
+  Color sum(0);
+  double weight = 0;
+  for (size_t i = 0; i < 4; ++i) {
+    const uint32_t shared = shared_corner_[grid.first_corner + corners.corner[i]];
+    if (shared == kNone || !(corners.weight[i] > 0)) continue;  // only cells without an area are about it
+    sum += corners.weight[i] * Color(corner_values_[2 * size_t{shared} + side]);
+    weight += corners.weight[i];
+  }
+  return weight > 0 ? sum / weight : Color(kept_diffusely(grid, map_.cell_at(grid, place), side));
+}
+
+/// Linear between the middles of the cells of directions.
+Color ZoneLight::directional(const ZoneGrid& grid, uint32_t cell, const Surface& surface,
+                             const Vec3& p_object, const Vec3& to_viewer) const {
+  const Vec3 along = map_.tangent(grid, p_object), &n = surface.geometric_normal;
+  const DirectionFrame frame(n, normalized(along - glm::dot(along, n) * n));
+  const uint32_t cells = grid.store.direction_cells;
+  const uint64_t first = grid.slot(cell, surface.is_front ? 0 : 1) + 1;
+  const Vec2 place = direction_place(frame.to_local(to_viewer)) * static_cast<double>(cells);
+  if (view_ == ZoneView::flat)
+    return values_[first - 1 + direction_slot(grid.store, place / static_cast<double>(cells))];
+  const Vec2 from_middle = glm::clamp(place - Vec2(0.5), Vec2(0), Vec2(cells - 1));
+  const auto x = std::min(static_cast<uint32_t>(from_middle.x), cells - 2),
+             y = std::min(static_cast<uint32_t>(from_middle.y), cells - 2);
+  const double fx = from_middle.x - x, fy = from_middle.y - y;
+  const auto value = [&](uint32_t i, uint32_t j) { return Color(values_[first + (y + j) * cells + x + i]); };
+  return (1 - fy) * ((1 - fx) * value(0, 0) + fx * value(1, 0)) +
+         fy * ((1 - fx) * value(0, 1) + fx * value(1, 1));
+}
+
+Color ZoneLight::radiance(const ZoneGrid& grid, const Hit& hit, const Surface& surface, const Interaction& at,
+                          const Lobes& lobes) const {
+  const InstancePose& place = map_.pose()[hit.instance];
+  const Vec3 p_object = place.is_identity ? surface.p : place.object_from_world.point(surface.p);
+  const GridPlace on_grid = map_.place_of(grid, hit, p_object);
+  const uint32_t cell = map_.cell_at(grid, on_grid), side = surface.is_front ? 0 : 1;
+  Color result(0);
+  if (grid.store.is_diffuse) {
+    Color seen(0);
+    for (const Lobe& lobe : lobes)
+      if (lobe.spread == Lobe::Spread::diffuse) seen += lobe.attenuation;
+    const ZoneAlbedo& albedo = colors_(grid, cell);
+    const Color kept = diffuse(grid, on_grid, side);
+    // Of what zones have, seen through a polish, or of the texture's colour just here.
+    const Color part = colors_.is_textured(grid) ? seen : over(seen, albedo.reflected[side] + albedo.through);
+    result += kept * part / pi;
+  }
+  if (grid.store.direction_cells > 0) result += directional(grid, cell, surface, p_object, at.to_viewer);
+  return result;
+}
+
+}  // namespace rayfarm

@@ -1,0 +1,46 @@
+#pragma once
+// Radiance that zones keep, as pictures read it.
+#include "common/lighting/zones/kept_light.h"
+#include "common/lighting/zones/zone_scene.h"
+#include "common/lighting/zones/zone_solution.h"
+
+namespace rayfarm {
+
+/// The zones of one colour pass.
+class ZoneLight {
+ public:
+  /// `zones` must outlive it.
+  ZoneLight(const ZoneScene& zones, size_t pass, const ZonePassSolution& solution, ZoneView view);
+
+  ZoneView view() const { return view_; }
+  /// The grid whose zones keep what the surface reflects, or null.
+  const ZoneGrid* grid_of(const Hit& hit) const {
+    const ZoneGrid* const grid = map_.grid_of(hit);
+    return grid && grid->store.is_any() ? grid : nullptr;
+  }
+  /// Radiance that leaves to at.to_viewer by the lobes that are kept. `lobes`: of the surface, seen from
+  /// there. In the view `direct` without what came straight from sources.
+  Color radiance(const ZoneGrid& grid, const Hit& hit, const Surface& surface, const Interaction& at,
+                 const Lobes& lobes) const;
+
+ private:
+  void find_corners();
+  glm::vec3 kept_diffusely(const ZoneGrid& grid, uint32_t cell, uint32_t side) const {
+    return values_[grid.slot(cell, side)];
+  }
+  Color diffuse(const ZoneGrid& grid, const GridPlace& place, uint32_t side) const;
+  Color directional(const ZoneGrid& grid, uint32_t cell, const Surface& surface, const Vec3& p_object,
+                    const Vec3& to_viewer) const;
+
+  const ZoneMap& map_;
+  ZoneColors colors_;
+  ZoneView view_;
+  /// By slot. Of diffuse ones power per area, in grids with textures over what the cell reflects of all;
+  /// of directions radiance.
+  GrowingArray<glm::vec3> values_;
+  GrowingArray<uint32_t>
+      shared_corner_;  ///< by corner: corners at one place, of one material and normal, are one
+  GrowingArray<glm::vec3> corner_values_;  ///< by shared corner and side
+};
+
+}  // namespace rayfarm

@@ -1,0 +1,34 @@
+#pragma once
+// What solver, tracer and pictures know of a scene at one pose.
+#include "common/hierarchy/frame_state.h"
+#include "common/lighting/coloured_scene.h"
+#include "common/lighting/zones/zone_colors.h"
+#include "common/scene/render_settings.h"
+
+namespace rayfarm {
+
+class ZoneScene {
+ public:
+  /// Throws as ZoneMap, and std::domain_error if the frame has no pose.
+  ZoneScene(const Scene& scene, const RenderSettings& settings, int frame);
+  ZoneScene(const ZoneScene&) = delete;
+
+  const ZoneMap& map() const { return map_; }
+  const Pose& pose() const { return pose_; }
+  size_t passes() const { return passes_.size(); }
+  /// The scene in the colours of a pass.
+  const Scene& scene(size_t pass) const { return passes_[pass].scene(); }
+
+ private:
+  Scene scene_;
+  FrameState state_;
+  Pose pose_;
+  std::vector<ColouredScene> passes_;
+  ZoneMap map_;
+};
+
+/// True if light that is kept at the slot is sent on: some materials only reflect what sources send
+/// (Material::reflections).
+bool is_sent_on(const ZoneMap& map, uint64_t slot);
+
+}  // namespace rayfarm

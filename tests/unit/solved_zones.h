@@ -1,0 +1,91 @@
+#pragma once
+// Zones solved in the test's own process.
+#include <numeric>
+#include <random>
+
+#include "common/lighting/renderer.h"
+#include "common/lighting/zones/zone_solver.h"
+#include "tests/unit/test_scene.h"
+
+namespace rayfarm::test {
+
+/// As a farm does: the items of each stage in an order of their own, each by one of `nodes` tracers.
+inline std::vector<std::byte> solve_zones(const Scene& scene, const RenderSettings& settings,
+                                          size_t nodes = 1, uint32_t order = 0, int frame = 0) {
+  const std::unique_ptr<ZoneSolver> solver = make_zone_solver(scene, settings, frame);
+  std::vector<std::unique_ptr<ZoneTracer>> tracers;
+  for (size_t i = 0; i < nodes; ++i) tracers.push_back(make_zone_tracer(scene, settings, frame));
+  std::mt19937 random(order);
+  while (const auto stage = solver->next_stage()) {
+    for (const auto& tracer : tracers) tracer->begin(stage->data);
+    std::vector<uint64_t> items(stage->items());
+    std::iota(items.begin(), items.end(), 0);
+    if (order > 0)
+      for (size_t i = items.size(); i-- > 1;) std::swap(items[i], items[random() % (i + 1)]);
+    for (size_t i = 0; i < items.size(); ++i) {
+      const uint64_t first = items[i] * stage->units_per_item;
+      solver->add(items[i], tracers[i % nodes]
+                                ->work(first, std::min(stage->units_per_item, stage->units - first), [] {})
+                                .bytes);
+    }
+  }
+  return solver->solution();
+}
+
+/// A scene and its zones, solved.
+struct SolvedZones {
+  SolvedZones(const std::string& text, const RenderSettings& with)
+      : compiled(compile(load_yaml(text))),
+        settings(with),
+        bytes(solve_zones(compiled.scene, settings)),
+        zones(compiled.scene, settings, 0),
+        solution(std::move(decode_zone_solution(bytes, 1, zones.map().slot_count())[0])) {}
+
+  /// Reflected power per area of a side of a grid's cell.
+  Color radiosity(const ZoneGrid& grid, uint32_t cell = 0, uint32_t side = 0) {
+    return solution.quantum.value(solution.total[grid.slot(cell, side)]) / zones.map().area(grid, cell);
+  }
+  /// Means over whole grids, by area.
+  Color mean_radiosity(const ZoneGrid& grid, uint32_t side = 0) {
+    Color power(0);
+    double area = 0;
+    for (uint32_t cell = 0; cell < grid.cell_count; ++cell) {
+      if (!(zones.map().area(grid, cell) > 0)) continue;
+      power += radiosity(grid, cell, side) * zones.map().area(grid, cell);
+      area += zones.map().area(grid, cell);
+    }
+    return power / area;
+  }
+  std::vector<float> picture(int width_px, int height_px, uint32_t samples = 1) {
+    RenderSettings s = settings;
+    s.width_px = width_px;
+    s.height_px = height_px;
+    s.crop = {0, 0, width_px, height_px};
+    s.samples = samples;
+    s.pixel_format = PixelFormat::float32;
+    Renderer renderer(compiled.scene, s);
+    renderer.set_zones(0, bytes);
+    const RenderedPixels rendered = renderer.render(0, s.crop, [] {});
+    std::vector<float> values(rendered.pixels.size() / sizeof(float));
+    std::memcpy(values.data(), rendered.pixels.data(), rendered.pixels.size());
+    return values;
+  }
+
+  CompiledScene compiled;
+  RenderSettings settings;
+  std::vector<std::byte> bytes;
+  ZoneScene zones;
+  ZonePassSolution solution;
+};
+
+inline RenderSettings zone_settings(double size, uint32_t rays, ZoneView view = ZoneView::flat) {
+  RenderSettings settings;
+  settings.lighting = LightingModel::zonal;
+  limit_by_depth(settings, kPathDepth);
+  settings.zones.size = size;
+  settings.zones.rays = rays;
+  settings.zones.view = view;
+  return settings;
+}
+
+}  // namespace rayfarm::test
