@@ -3,6 +3,7 @@
 #include "common/compile/darkness.h"
 #include "common/compile/libraries.h"
 #include "common/compile/lights.h"
+#include "common/compile/media.h"
 #include "common/compile/object_groups.h"
 #include "common/compile/objects.h"
 #include "common/compile/parts.h"
@@ -181,6 +182,7 @@ void add_notes_of_idle(const SceneDescription& description, Notes& notes) {
   list(description.environment.has_value(), "environment");
   list(description.background != Color(0), "background");
   list(description.ambient != Color(1), "ambient");
+  list(!description.media.empty(), "media");
   if (!idle.empty())
     notes.add(
         description.source(),
@@ -343,7 +345,10 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   add_materials(arrays, description, purpose);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
   add_listed_lights(arrays, description);
-  if (purpose == Purpose::library) arrays.lights.clear();
+  if (purpose == Purpose::library)
+    arrays.lights.clear();
+  else
+    add_media(arrays, description);
   PartCompiler parts(arrays, description, options, purpose);
   parts.add_all();
   LightPlaces places;

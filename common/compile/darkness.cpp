@@ -69,6 +69,17 @@ class Bodies {
   std::vector<uint32_t> body_;
 };
 
+/// True if a medium may lie in the region: no half space has all of its box outside.
+bool may_hold_medium(const Scene& scene, std::span<const HalfSpace> region) {
+  return std::any_of(scene.media.begin(), scene.media.end(), [&](const ParticipatingMedium& medium) {
+    const auto corners = corners_of(medium.box);
+    return std::all_of(region.begin(), region.end(), [&](const HalfSpace& half) {
+      return std::any_of(corners.begin(), corners.end(),
+                         [&](const Vec3& p) { return glm::dot(half.n, p) > half.d; });
+    });
+  });
+}
+
 /// What lies in front of the lamp by more than a hair's breadth: a lamp that is mounted on a ceiling need not
 /// touch it.
 bool shines_at_something(const Scene& scene, const Lamp& lamp, double hair, const Vec3& viewer,
@@ -77,6 +88,7 @@ bool shines_at_something(const Scene& scene, const Lamp& lamp, double hair, cons
   const double gap = std::max(kGap * lamp.size, hair);
   const HalfSpace front{lamp.normal, lamp.d + gap};
   if (glm::dot(front.n, viewer) > front.d) return true;  // the camera looks at it
+  if (may_hold_medium(scene, std::span(&front, 1))) return true;
   if (find_in_region(scene, std::span(&front, 1), patience) != Presence::none) return true;
   const HalfSpace back{-lamp.normal, -lamp.d + gap};
   return find_in_region(scene, std::span(&back, 1), patience) != Presence::certain;  // there is nothing else
@@ -167,7 +179,7 @@ bool shines_past_everything(const Scene& scene, const Light& light, size_t& pati
     const Vec3 n = sine * light.direction - light.cosine_none * outwards;
     cone.push_back({n, glm::dot(n, light.position) - slack});
   }
-  return find_in_region(scene, cone, patience) == Presence::none;
+  return !may_hold_medium(scene, cone) && find_in_region(scene, cone, patience) == Presence::none;
 }
 
 void note_turned_spots(const SceneDescription& description, const Scene& scene,
@@ -287,12 +299,14 @@ bool is_dark(const Scene& scene, const RenderSettings& settings) {
 }
 
 std::optional<std::string> nothing_in_view(const Scene& scene, double frame, int width_px, int height_px) {
-  if (scene.instances.empty())
+  if (scene.instances.empty() && scene.media.empty())
     return scene.head().environment == kNone ? std::optional<std::string>("the scene holds no objects")
                                              : std::nullopt;
   const Camera camera = make_camera(scene, frame, width_px, height_px);
+  const std::vector<HalfSpace> seen = seen_by(camera, width_px, height_px);
+  if (may_hold_medium(scene, seen)) return std::nullopt;
   size_t patience = kPatience;
-  switch (find_in_region(scene, seen_by(camera, width_px, height_px), patience)) {
+  switch (find_in_region(scene, seen, patience)) {
     case Presence::certain:
       return std::nullopt;
     case Presence::none: {

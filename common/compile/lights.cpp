@@ -56,7 +56,7 @@ void weigh_lights(SceneArrays<GrowingArray>& arrays) {
   Box bounds;
   for (const InstancePose& pose : arrays.poses) bounds.grow(pose.bounds);
   SceneHeader& head = arrays.header[0];
-  head.far_away = distance_out_of(bounds);
+  head.far_away = distance_out_of(with_media(bounds, arrays.media));
   if (head.environment != kNone) {
     const auto shares = make_environment_shares(arrays.textures[head.environment], arrays.texels);
     arrays.environment_shares.assign(shares.begin(), shares.end());

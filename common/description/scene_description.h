@@ -20,6 +20,7 @@
 #include "common/scene/build_options.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/light.h"
+#include "common/scene/participating_medium.h"
 #include "common/scene/scene_block.h"
 #include "common/scene/spectral_color.h"
 #include "common/shapes/polygon.h"
@@ -45,7 +46,8 @@ inline constexpr size_t kKeys = 1'000'000;
 inline constexpr size_t kSpectrumNodes = 10'000;        ///< of one spectrum
 inline constexpr uint64_t kTexturePixels = 1ull << 28;  ///< of one image, 16384²: 2 GiB with its mip map
 inline constexpr uint64_t kArrayCells = 1ull << 26;     ///< of one array, 406³: 0.5 GiB with its mip map
-inline constexpr uint64_t kTexels = 1ull << 30;  ///< of all images and arrays with their mip maps: 6 GiB
+inline constexpr uint64_t kTexels = 1ull << 30;       ///< of all images and arrays with their mip maps: 6 GiB
+inline constexpr uint64_t kMediumCells = 1ull << 27;  ///< of the grids of all media, 512³: 0.5 GiB
 inline constexpr double kCoordinate = 1e15;
 }  // namespace limits
 
@@ -59,7 +61,7 @@ struct Place {
 /// A colour that is given as a spectrum.
 struct SpectrumDescription {
   SpectralField field = SpectralField::color;
-  uint32_t index = 0;  ///< of the light
+  uint32_t index = 0;  ///< of the light or medium
   std::vector<SpectrumNode> nodes;
 };
 
@@ -79,6 +81,11 @@ struct TextureDescription : Texture {
 
 struct DiagramDescription : GoniometricDiagram {
   std::vector<double> values;
+};
+
+struct MediumDescription : ParticipatingMedium {
+  LargeVector<float> densities;  ///< of its grid
+  Place place;
 };
 
 /// The thesis's five parameters (2.3.2): location, direction, up, field of view, aspect ratio.
@@ -208,7 +215,8 @@ struct SceneDescription {
   Color ambient{1};                               ///< Ia
   std::vector<Light> lights;                      ///< in the world; objects have others, and luminaires
   std::vector<DiagramDescription> diagrams;       ///< that lights name
-  std::vector<SpectrumDescription> spectra;       ///< of those lights, background and ambient light
+  std::vector<SpectrumDescription> spectra;       ///< of those lights, background, ambient light and media
+  std::vector<MediumDescription> media;           ///< that stand in boxes of the world
   std::vector<MaterialDescription> materials;     ///< the parts of a mix before it
   std::vector<TextureDescription> textures;
   std::vector<StructureDescription> structures;

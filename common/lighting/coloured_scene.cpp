@@ -54,12 +54,18 @@ ColouredScene::ColouredScene(const Scene& scene, const ColourPass& pass) : pass_
   }
   lights_.assign(scene.lights.begin(), scene.lights.end());
   for (Light& light : lights_) light.color = convert(light.color);
+  media_.assign(scene.media.begin(), scene.media.end());
+  for (ParticipatingMedium& medium : media_) {
+    medium.absorption = convert(medium.absorption);
+    medium.scattering = convert(medium.scattering);
+  }
   for (const SpectralColor& c : scene.spectral_colors)
     for (int channel = 0; channel < 3; ++channel)
       (*color_of(c))[channel] = eval_spectrum(scene.spectrum_of(c), pass.wavelengths_nm[channel]);
   scene_.header = header_;
   scene_.materials = materials_;
   scene_.lights = lights_;
+  scene_.media = media_;
 }
 
 void ColouredScene::set_lights(const FrameLights& lights) {
@@ -98,6 +104,10 @@ Color* ColouredScene::color_of(const SpectralColor& c) {
       return &lights_[c.index].color;
     case SpectralField::background:
       return &header_[0].background;
+    case SpectralField::absorption:
+      return &media_[c.index].absorption;
+    case SpectralField::scattering:
+      return &media_[c.index].scattering;
     case SpectralField::ambient:
       break;
   }

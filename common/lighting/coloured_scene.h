@@ -24,6 +24,7 @@ class ColouredScene {
   std::vector<SceneHeader> header_;
   std::vector<Material> materials_;
   std::vector<Light> lights_;  ///< all of them
+  std::vector<ParticipatingMedium> media_;
   std::vector<Light> shining_;
   std::vector<double> shares_;
 };

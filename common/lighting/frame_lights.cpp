@@ -8,6 +8,11 @@ double light_radius(const Box& bounds) {
   return bounds.is_empty() ? 1 : std::max(1e-150, 0.5 * glm::length(bounds.extent()));
 }
 
+Box with_media(Box bounds, std::span<const ParticipatingMedium> media) {
+  for (const ParticipatingMedium& medium : media) bounds.grow(medium.box);
+  return bounds;
+}
+
 double distance_out_of(const Box& bounds) {
   return 4 * (light_radius(bounds) + bounds.magnitude());
 }
@@ -18,7 +23,7 @@ FrameLights make_frame_lights(const Scene& scene, std::span<const LightPower> po
   for (size_t i = 0; i < scene.instances.size(); ++i)
     if (visible[scene.instances[i].object_node]) bounds.grow(scene.poses[i].bounds);
   FrameLights result;
-  result.far_away = distance_out_of(bounds);
+  result.far_away = distance_out_of(with_media(bounds, scene.media));
   std::vector<LightPower> shining;
   for (uint32_t i = 0; i < scene.lights.size(); ++i) {
     const Light& light = scene.lights[i];

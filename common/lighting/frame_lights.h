@@ -21,6 +21,8 @@ FrameLights make_frame_lights(const Scene& scene, std::span<const LightPower> po
 
 /// Half the diagonal of `bounds`, or 1 if there is nothing in them: by which sources are weighed.
 double light_radius(const Box& bounds);
+/// The same box, grown by those of media.
+Box with_media(Box bounds, std::span<const ParticipatingMedium> media);
 /// A distance that leads out of `bounds` from anywhere in them.
 double distance_out_of(const Box& bounds);
 

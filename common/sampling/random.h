@@ -16,12 +16,17 @@ struct SampleId {
 namespace dimension {
 inline constexpr uint32_t kScreen = 0, kLens = 1, kPattern = 2, kTime = 3, kFirstBounce = 4;
 enum Bounce : uint32_t { kDirection, kLobe, kLight, kLightPoint };
+/// Walks through media: of a path's ray, and of the shadow ray that goes out at its end.
+enum Walk : uint32_t { kFree, kShadow };
 /// Which part of a mix a ray meets; bounces begin at depth 1. `stream`: as of other uses within a sample.
 constexpr uint32_t of_mix(uint32_t stream) {
   return stream << 8 | kFirstBounce;
 }
 constexpr uint32_t of_bounce(uint32_t depth, Bounce use) {
   return kFirstBounce + 4 * depth + use;
+}
+constexpr uint32_t of_walk(uint32_t depth, Walk use) {
+  return 1u << 31 | depth << 1 | use;
 }
 }  // namespace dimension
 

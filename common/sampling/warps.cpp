@@ -61,6 +61,16 @@ double cone_pdf(double one_minus_cosine) {
   return 1 / (2 * pi * one_minus_cosine);
 }
 
+Vec3 sample_henyey_greenstein(const Vec2& u, double g) {
+  if (std::abs(g) < 1e-6) return sample_sphere(u);  // where the quotient below would lose its digits
+  const double inner = (1 - g * g) / (1 - g + 2 * g * u.x);
+  return spherical(std::clamp((1 + g * g - inner * inner) / (2 * g), -1.0, 1.0), u.y);
+}
+double henyey_greenstein_pdf(double cosine, double g) {
+  const double square = 1 + g * g - 2 * g * cosine;
+  return (1 - g * g) / (4 * pi * square * std::sqrt(square));
+}
+
 Vec2 sample_triangle(const Vec2& u) {
   const double root = std::sqrt(1 - u.x);
   return {(1 - u.y) * root, u.y * root};

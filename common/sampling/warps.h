@@ -20,6 +20,10 @@ Vec3 sample_sphere(const Vec2& u);
 /// Uniform in solid angle in the cone about z whose half angle has the cosine 1 - one_minus_cosine.
 Vec3 sample_cone(const Vec2& u, double one_minus_cosine);
 double cone_pdf(double one_minus_cosine);
+/// The phase function of Henyey and Greenstein (1941) about z, in which light came: the density (1 - g²) /
+/// 4π (1 + g² - 2 g cos θ)^(3/2) on the sphere, whose mean cosine is g, -1 < g < 1.
+Vec3 sample_henyey_greenstein(const Vec2& u, double g);
+double henyey_greenstein_pdf(double cosine, double g);
 /// Uniform on a triangle: the weights of its second and third vertex. Density 1 / area.
 Vec2 sample_triangle(const Vec2& u);
 

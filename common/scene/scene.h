@@ -13,6 +13,7 @@
 #include "common/scene/goniometry.h"
 #include "common/scene/hierarchy_records.h"
 #include "common/scene/light.h"
+#include "common/scene/participating_medium.h"
 #include "common/scene/spectral_color.h"
 #include "common/shapes/polygon.h"
 #include "common/shapes/quadric.h"

@@ -154,10 +154,11 @@ void check_materials(const Scene& s) {
 void check_spectra(const Scene& s) {
   OwnRanges own(s.spectrum_nodes.size(), "a spectrum");
   for (const SpectralColor& c : s.spectral_colors) {
-    require(c.field <= SpectralField::ambient, "a spectrum's place");
-    const size_t owners = c.field < SpectralField::light    ? s.materials.size()
-                          : c.field == SpectralField::light ? s.lights.size()
-                                                            : 1;
+    require(c.field <= SpectralField::scattering, "a spectrum's place");
+    const size_t owners = c.field < SpectralField::light         ? s.materials.size()
+                          : c.field == SpectralField::light      ? s.lights.size()
+                          : c.field >= SpectralField::absorption ? s.media.size()
+                                                                 : 1;
     require(c.index < owners, "a spectrum's owner");
     require(c.node_count > 0, "a spectrum");
     own.take(c.first_node, c.node_count);
@@ -166,6 +167,39 @@ void check_spectra(const Scene& s) {
       require(std::isfinite(nodes[i].wavelength_nm) && std::isfinite(nodes[i].value) && nodes[i].value >= 0 &&
                   (i == 0 || nodes[i - 1].wavelength_nm < nodes[i].wavelength_nm),
               "a spectrum");
+  }
+}
+
+void check_media(const Scene& s) {
+  require(s.media.size() <= kMostMedia, "the number of media");
+  OwnRanges densities(s.medium_densities.size(), "a medium's densities"),
+      majorants(s.medium_majorants.size(), "a medium's majorants");
+  for (const ParticipatingMedium& m : s.media) {
+    require(is_finite(m.box.lo) && is_finite(m.box.hi) && m.box.lo.x < m.box.hi.x &&
+                m.box.lo.y < m.box.hi.y && m.box.lo.z < m.box.hi.z,
+            "a medium's box");
+    require(m.asymmetry > -1 && m.asymmetry < 1, "a medium's asymmetry");
+    for (int c = 0; c < 3; ++c)
+      require(m.absorption[c] >= 0 && m.scattering[c] >= 0, "a medium's coefficients");
+    double most = 1;
+    if (m.has_grid()) {
+      const size_t size = s.medium_densities.size();
+      require(m.cells[0] <= size && m.cells[1] > 0 && m.cells[2] > 0 && m.cells[1] <= size / m.cells[0] &&
+                  m.cells[2] <= size / m.cells[0] / m.cells[1],
+              "a medium's grid");
+      for (int axis = 0; axis < 3; ++axis)
+        require(m.box.extent()[axis] / m.cells[static_cast<size_t>(axis)] > 0, "a medium's cells");
+      densities.take(m.first_density, m.cell_count());
+      majorants.take(m.first_majorant, m.block_count());
+      most = 0;
+      for (const float d : s.medium_densities.subspan(m.first_density, m.cell_count())) {
+        require(std::isfinite(d) && d >= 0, "a medium's density");
+        most = std::max<double>(most, d);
+      }
+      for (const float majorant : s.medium_majorants.subspan(m.first_majorant, m.block_count()))
+        require(majorant >= 0 && majorant <= most, "a medium's majorant");
+    }
+    require(greatest_optical_depth(m, most) <= kMostOpticalDepth, "how much light a medium takes");
   }
 }
 
@@ -230,6 +264,7 @@ void check_scene(const Scene& scene) {
   check_spectra(scene);
   check_lights(scene);
   check_textures(scene);
+  check_media(scene);
 }
 
 }  // namespace rayfarm

@@ -7,7 +7,7 @@
 
 namespace rayfarm {
 
-/// Whose colour it is: of a material the member of that name.
+/// Whose colour it is: of a material or a medium the member of that name.
 enum class SpectralField : uint32_t {
   color,
   filter,
@@ -19,7 +19,9 @@ enum class SpectralField : uint32_t {
   k,
   light,
   background,
-  ambient
+  ambient,
+  absorption,
+  scattering
 };
 
 inline bool is_of_material(SpectralField field) {
@@ -28,7 +30,7 @@ inline bool is_of_material(SpectralField field) {
 
 struct SpectralColor {
   SpectralField field = SpectralField::color;
-  uint32_t index = 0;  ///< of the material or light
+  uint32_t index = 0;  ///< of the material, light or medium
   uint32_t first_node = 0, node_count = 0;
 };
 

@@ -81,6 +81,15 @@ void print_cells(const Scene& scene) {
         octants.interior, octants.leaves, octants.pointers, octants.longest_list, octants.bytes());
 }
 
+void print_media(const Scene& scene) {
+  if (scene.media.empty()) return;
+  const auto grids = std::count_if(scene.media.begin(), scene.media.end(),
+                                   [](const ParticipatingMedium& medium) { return medium.has_grid(); });
+  fmt::print("  media {}, of them {} with a grid: {} cells, {} bytes with the majorants of their blocks\n",
+             scene.media.size(), grids, scene.medium_densities.size(),
+             scene.medium_densities.size_bytes() + scene.medium_majorants.size_bytes());
+}
+
 int print_info(const std::string& path, const BuildOptions& build) {
   const SceneDescription scene = load_scene(path);
   const CompiledScene compiled = compile_and_look(scene, build);
@@ -96,6 +105,7 @@ int print_info(const std::string& path, const BuildOptions& build) {
              copies.quadrics);
   fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
              s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
+  print_media(s);
   print_references(s);
   if (s.head().object_tree != kNone) {
     const ObjectSizes sizes = sizes_of(s, s.bounding_trees[s.head().object_tree]);

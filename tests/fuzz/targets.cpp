@@ -19,6 +19,7 @@
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
 #include "tests/fuzz/block_seeds.h"
+#include "tests/fuzz/grid_seeds.h"
 #include "tests/read_in_pieces.h"
 #include "tests/render_little.h"
 #include "tests/scene_text.h"
@@ -114,22 +115,6 @@ void read_yaml_both_ways(const std::string& bytes, const std::string& path) {
 
 constexpr const char* kIes =
     "IESNA:LM-63-2002\n[TEST] x\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n100 50 0\n";
-
-constexpr const char* kYamlArray =
-    "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\ntextures: {t: {kind: array, file: in.npy, scale: "
-    "0.3}}\n"
-    "materials: {m: {color: 1, texture: t, bump: {texture: t, height: 0.1}}}\n"
-    "scene: [{material: m, sphere: {center: [0, 0, 0], radius: 1}}]\n";
-std::vector<std::string> npy_seeds() {
-  std::vector<std::string> seeds;
-  for (const auto& [kind, shape, bytes] : {std::tuple("<f4', 'fortran_order': False", "(2, 3, 2)", 48),
-                                           {"|u1', 'fortran_order': True", "(2, 2, 1, 3)", 12}}) {
-    const std::string header = fmt::format("{{'descr': '{}, 'shape': {}, }}\n", kind, shape);
-    seeds.push_back(std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(header.size()) + '\0' + header +
-                    std::string(static_cast<size_t>(bytes), '\0'));
-  }
-  return seeds;
-}
 
 Bytes zeros(size_t n) {
   return Bytes(n);
@@ -345,6 +330,17 @@ std::vector<Target> make_targets(const std::string& path) {
        npy_seeds(),
        {"(", ")", ", ", "'<f8'", "'|u1'", "'<u2'", "'<f2'", "True", "False", "'shape': (1, 1, 1)",
         "99999999999", "1", "3"}},
+      {"density",
+       [folder](const std::string& bytes) {
+         const bool is_nrrd = bytes.starts_with("NRRD");
+         folder.write(is_nrrd ? "in.nrrd" : "in.raw", bytes);
+         render_file(folder.write("density.yaml", yaml_medium(is_nrrd ? "file: in.nrrd" : kRawGrid)));
+       },
+       {std::string(24, '\x20'), kNrrd + std::string("\n\x01\x02\x03\x04\x05\x06\x07\x08"),
+        kNrrd + std::string("data file: in.raw\nspacings: 1 1 1\n\n")},
+       {"\n", "\n\n", "sizes: 1 1 1\n", "type: float\n", "type: ushort\n", "endian: big\n",
+        "endian: little\n", "data file: in.nrrd\n", "byte skip: -1\n", "encoding: gzip\n", "99999999999 ",
+        "0 ", "# x\n", "a:=b\n"}},
       {"image", [folder](const std::string& bytes) { read_images(folder, bytes); }, image_seeds(folder), {}},
       {"message", decode_messages, message_seeds(), {}},
       {"block",

@@ -26,6 +26,7 @@ inline CompiledScene compile_everything() {
       "mesh.obj",
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nv 0 -1 0\nv 1 -1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n"
       "f 1/1 3/3 4/2\nf 5/1 6/2 2/3 1/1\n");
+  write_temporary("smoke.raw", "@ 0P");
   std::string text = R"(
 view: {location: {0: [0, 0, 6], 4: [1, 0, 6]}, look_at: [0, 0, 0], lens: {radius: 0.01, focus: 6}}
 environment: {file: sky.png}
@@ -39,6 +40,9 @@ materials:
   dusty: {mix: {a: green, b: gold, by: array}}
   dustier: {mix: {a: dusty, b: painted, by: boards}}
 lights: [{position: [2, 3, 4]}, {position: [0, 4, 0], ies: lamp.ies}]
+media:
+  - {box: {min: [-1, -1, -1], max: [1, 1, 1]}, absorption: 0.1, scattering: {spectrum: [[450, 0.3], [600, 0.1]]}, grid: {file: smoke.raw, size: [2, 2, 1], type: uint8}}
+  - {box: {min: [1, -1, -1], max: [2, 1, 1]}, scattering: 0.2, g: 0.5}
 objects: {pair: [{sphere: {center: [0, 0, 0], radius: 0.3}}, {sphere: {center: [1, 0, 0], radius: 0.3}}]}
 frames: [0, 4]
 scene:

@@ -241,6 +241,25 @@ TEST(PathLanes, MediaWithAllMaterialsInside) {
   });
 }
 
+TEST(PathLanes, MediaThatScatterBetweenSurfaces) {
+  const std::string head =
+      std::string(kBackground) +
+      "media:\n"
+      "  - {box: {min: [-1, -1, -1], max: [0, 1, 1]}, scattering: [0.3, 0.6, 0.9], g: 0.7}\n"
+      "  - {box: {min: [0, -1, -1], max: [2, 1, 0.5]}, absorption: [0.2, 0.4, 0]}\n";
+  const char* const things = R"(
+  - {material: tea, sphere: {center: [0, -0.3, 0], radius: 0.6}}
+  - {material: glass, sphere: {center: [0, 0.4, 0.3], radius: 0.3}}
+)";
+  test::on_every_target([&] {
+    RenderSettings settings = settings_of(9);
+    compare(scene_with(kAllLights, std::string(kAllLamps) + things, head), settings, "fog");
+    settings.max_reflections = 3;
+    compare(scene_with(kAllLights, std::string(kAllLamps) + things, head), settings,
+            "fog, and few reflections");
+  });
+}
+
 // Its direction is 0 long, and no number of the lanes beside it changes.
 TEST(PathLanes, ALightThatStandsOnASurface) {
   const std::string floor =

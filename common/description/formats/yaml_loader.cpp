@@ -8,6 +8,7 @@
 #include "common/description/formats/stoppable_text.h"
 #include "common/description/formats/yaml_curves.h"
 #include "common/description/formats/yaml_materials.h"
+#include "common/description/formats/yaml_media.h"
 #include "common/description/formats/yaml_reader.h"
 #include "common/description/formats/yaml_scene.h"
 #include "common/description/formats/yaml_shapes.h"
@@ -60,6 +61,7 @@ class Loader {
     scene_.materials.emplace_back("default");
     if (auto v = map.find("textures")) read_textures(*v);
     if (auto v = map.find("materials")) read_materials(*v);
+    if (auto v = map.find("media")) read_media(*v, folder(), scene_);
     if (auto v = map.find("objects")) read_definitions(*v);
     scene_.objects.push_back({"scene", {}, {}, {0, 1, 1}});
     scene_.root = static_cast<uint32_t>(scene_.objects.size() - 1);

@@ -110,7 +110,7 @@ Color YamlValue::color() const {
   } else if (node_.IsNull()) {
     fail_as_no_color("; nothing stands here (what follows a # is a comment)");
   } else if (node_.IsMap()) {
-    fail_as_no_color("; a spectrum can stand in materials, lights, `background` and `ambient`");
+    fail_as_no_color("; a spectrum can stand in materials, lights, media, `background` and `ambient`");
   } else if (!node_.IsScalar()) {
     fail_as_no_color("");
   } else if (const auto coded = color_of_code(node_.Scalar())) {

@@ -6,7 +6,7 @@ namespace rayfarm {
 
 /// A colour, or `{spectrum: [[nm, value], …], scale}`, which joins `spectra`; its RGB is returned: of a
 /// reflectance no more than the spectrum's largest value, as Rec. 709 can't show all colours. `index`: of the
-/// light.
+/// light or medium.
 Color read_color(const YamlValue& value, SpectralField field, std::vector<SpectrumDescription>& spectra,
                  size_t index = 0);
 

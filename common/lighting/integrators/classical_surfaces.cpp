@@ -6,6 +6,7 @@
 #include "common/lighting/glass_shadows.h"
 #include "common/lighting/integrators/gouraud.h"
 #include "common/lighting/item_buffers.h"
+#include "common/lighting/participating_media.h"
 #include "common/lighting/torrance_sparrow.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -158,6 +159,13 @@ uint32_t lit_through_glass(const FrameContext& context, const ClassicalSurfaces&
   return lit;
 }
 
+/// Weakens light by the media that stand in boxes on its way.
+void weaken_in_media(const FrameContext& context, uint32_t lit, Incoming& in) {
+  for_each_lane(lit, [&](size_t i) {
+    set_lane(in.light, i, lane_of(in.light, i) * transmittance(context.scene, in.shadow_rays[i]));
+  });
+}
+
 void add_facets(const Incoming& in, uint32_t highlighted, ClassicalSurfaces& surfaces) {
   for_each_lane(highlighted, [&](size_t i) {
     const Vec3 to_light = lane_of(in.to_light, i);
@@ -212,6 +220,7 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     const uint32_t lit =
         is_glass_crossed ? lit_through_glass(context, surfaces, facing, blocked, in) : facing & ~blocked;
     if (!lit) continue;
+    if (!context.scene.media.empty()) weaken_in_media(context, lit, in);
     const bool has_facets = highlights.shape == Highlights::Shape::torrance_sparrow;
     HWY_DYNAMIC_DISPATCH(add_lit)(in, lit, has_facets ? 0 : lit & highlighted, surfaces);
     if (has_facets) add_facets(in, lit & highlighted, surfaces);

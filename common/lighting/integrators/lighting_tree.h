@@ -22,7 +22,7 @@ struct Receiver {
   Kind kind = Kind::eye;
   uint32_t fork = 0;   ///< own: what the model likes
   uint32_t place = 0;  ///< eye: among the eye rays; own: what the model likes
-  Color share{1};      ///< of what the ray sees in what the fork shows, or the model's own; not for the eye
+  Color share{1};      ///< of what the ray sees in what the fork shows, the model's own, or the eye
 };
 
 /// Where a ray stands in its lighting tree.
@@ -49,8 +49,10 @@ struct Branch {
   /// It has met something. Media weaken what it brings.
   void arrive(const Scene& scene, double distance) {
     width += distance * spread;
-    if (media.is_in_air()) return;
-    const Color left = media.transmittance(scene, distance);
+    if (!media.is_in_air()) weaken(media.transmittance(scene, distance));
+  }
+  /// This is left of what it brings.
+  void weaken(const Color& left) {
     receiver.share *= left;
     weight *= max_component(left);
   }
@@ -150,7 +152,7 @@ class LightingTree {
   std::optional<Delivery> deliver(const Receiver& to, Color color) {
     for (const Receiver* receiver = &to;;) {
       if (receiver->kind == Receiver::Kind::eye) {
-        colors_[receiver->place] = color;
+        colors_[receiver->place] = receiver->share * color;
         return std::nullopt;
       }
       if (receiver->kind == Receiver::Kind::own) return Delivery{*receiver, receiver->share * color};

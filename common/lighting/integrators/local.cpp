@@ -4,6 +4,7 @@
 #include "common/lighting/integrators/classical_surfaces.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/item_buffers.h"
+#include "common/lighting/participating_media.h"
 
 namespace rayfarm {
 namespace {
@@ -29,6 +30,9 @@ class LocalIntegrator : public Integrator {
     }
     add_direct_light(context, highlights_, surfaces, counts);
     for_each_lane(surfaces.met, [&](size_t i) { colors[i] = surfaces.light(i); });
+    if (!context.scene.media.empty())
+      for (size_t i = 0; i < rays.size; ++i)
+        colors[i] *= transmittance(context.scene, {rays.origin(i), rays.direction(i), hits[i].t});
     return static_cast<size_t>(std::popcount(surfaces.met));
   }
 

@@ -5,6 +5,7 @@
 
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/integrator.h"
+#include "common/lighting/integrators/path_media.h"
 #include "common/lighting/integrators/path_step.h"
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/light_choice.h"
@@ -44,6 +45,7 @@ class PathTracer {
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
         is_in_lanes_(is_in_lanes),
+        has_media_(!context.scene.media.empty()),
         counts_(counts),
         colors_(colors) {}
 
@@ -79,28 +81,57 @@ class PathTracer {
       closest_hits(scene_, pose_, lanes_.rays, hits.data());
     lanes_.clear_sets();
     shadows_.rays.clear();
-    LaneSet together = 0, go_on = 0;
+    LaneSet together = 0, go_on = 0, met = 0;
+    if (is_in_lanes_) met = eval_surfaces(scene_, pose_, lanes_.rays, hits.data(), lanes_.surfaces);
+    const LaneSet scattered = has_media_ ? visit_media(hits.data(), go_on) : 0;
     if (is_in_lanes_) {
-      LaneSet met = eval_surfaces(scene_, pose_, lanes_.rays, hits.data(), lanes_.surfaces);
       if (context_.zones)
         for_each_lane(met, [&](size_t lane) {
           if (ends_at_zones(paths_[lanes_.places[lane]]) && context_.zones->grid_of(hits[lane]))
             met &= ~(LaneSet{1} << lane);
         });
+      met &= ~scattered;
       if (depth_ >= settings_.max_depth) met = 0;
       for_each_lane(met, [&](size_t lane) {
         if (prepare(lane, hits[lane])) together |= LaneSet{1} << lane;
       });
     }
-    if (together != 0) go_on = visit_together(together);
+    if (together != 0) go_on |= visit_together(together);
     for (size_t lane = 0; lane < count; ++lane)
-      if (!(together >> lane & 1) && visit_alone(lane, hits[lane])) go_on |= LaneSet{1} << lane;
+      if (!((together | scattered) >> lane & 1) && visit_alone(lane, hits[lane])) go_on |= LaneSet{1} << lane;
     lanes_.keep(go_on);
     if (shadows_.rays.empty()) return;
     counts_[RayKind::shadow] += shadows_.rays.size;
     const uint32_t blocked = any_hits(scene_, pose_, shadows_.rays);
+    if (has_media_) weaken_in_media(stage(), blocked, shadows_);
     for (size_t i = 0; i < shadows_.rays.size; ++i)
       if (!(blocked >> i & 1)) colors_[shadows_.places[i]] += lane_of(shadows_.colors, i);
+  }
+
+  PathStage stage() const { return {context_, ids_, depth_, depth_ >= kFirstRoulette}; }
+
+  /// Returns the lanes that media scatter before they meet what `hits` says; those whose paths go on join
+  /// `go_on`. Scattering counts as a diffuse reflection.
+  LaneSet visit_media(const Hit* hits, LaneSet& go_on) {
+    LaneSet scattered = 0;
+    for (size_t lane = 0; lane < lanes_.rays.size; ++lane) {
+      const MediumEvent event = walk_in_media(stage(), lane, hits[lane].t, lanes_);
+      if (!event.is_scattered()) continue;
+      scattered |= LaneSet{1} << lane;
+      Path& path = paths_[lanes_.places[lane]];
+      if (depth_ == 1 && hits[lane].is_hit()) ++eye_hits_;
+      if (depth_ >= settings_.max_depth || path.reflections >= settings_.max_reflections) continue;
+      if (!path.media.is_in_air())
+        set_lane(lanes_.throughput, lane,
+                 lane_of(lanes_.throughput, lane) * path.media.transmittance(scene_, event.t));
+      path.width += event.t * path.spread;
+      path.spread = kDiffuseSpread;
+      if (!scatter_in_media(stage(), lane, event, lanes_, shadows_)) continue;
+      go_on |= LaneSet{1} << lane;
+      ++path.reflections;
+      ++counts_[RayKind::diffuse];
+    }
+    return scattered;
   }
 
   /// A path's step by itself.
@@ -136,8 +167,7 @@ class PathTracer {
 
   /// The steps of the lanes that are prepared. Returns those whose paths go on.
   LaneSet visit_together(LaneSet lanes) {
-    const PathStep step =
-        step_in_lanes({context_, ids_, depth_, depth_ >= kFirstRoulette}, lanes, lanes_, shadows_);
+    const PathStep step = step_in_lanes(stage(), lanes, lanes_, shadows_);
     for_each_lane(step.go_on, [&](size_t lane) {
       Path& path = paths_[lanes_.places[lane]];
       if (step.is_diffuse >> lane & 1) {
@@ -317,7 +347,7 @@ class PathTracer {
   const Pose& pose_;
   const RenderSettings& settings_;
   const Sampler& sampler_;
-  bool is_in_lanes_;
+  bool is_in_lanes_, has_media_;
   RayCounts& counts_;
   Color* colors_;  ///< of the eye rays
   size_t eye_hits_ = 0;

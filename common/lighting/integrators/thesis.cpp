@@ -8,6 +8,7 @@
 #include "common/lighting/integrators/lighting_tree.h"
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/light_sampling.h"
+#include "common/lighting/participating_media.h"
 
 namespace rayfarm {
 namespace {
@@ -110,6 +111,8 @@ class ThesisTracer {
     ClassicalSurfaces surfaces(context_, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       Branch& branch = branches[i];
+      if (!scene_.media.empty())
+        branch.weaken(transmittance(scene_, {rays.origin(i), rays.direction(i), hits[i].t}));
       if (!hits[i].is_hit()) {
         take(tree_.deliver(branch.receiver, eval_background(scene_, rays.direction(i))));
         continue;

@@ -3,6 +3,7 @@
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/integrators/lighting_tree.h"
 #include "common/lighting/item_buffers.h"
+#include "common/lighting/participating_media.h"
 
 namespace rayfarm {
 namespace {
@@ -31,6 +32,8 @@ class WhittedIntegrator : public Integrator {
     ClassicalSurfaces surfaces(context, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       Branch& branch = branches[i];
+      if (!context.scene.media.empty())
+        branch.weaken(transmittance(context.scene, {rays.origin(i), rays.direction(i), hits[i].t}));
       if (!hits[i].is_hit()) {
         tree_.deliver(branch.receiver, eval_background(context.scene, rays.direction(i)));
         continue;
