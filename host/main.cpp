@@ -41,7 +41,7 @@ int render_locally(const RenderOptions& options) {
         if (static_cast<size_t>(i) < ends.get().size())
           run_node(
               *ends.get()[static_cast<size_t>(i)], NodeId(i), [&loaded](const auto&) { return loaded.get(); },
-              make_scene_worker);
+              make_workers());
       });
   } catch (const std::system_error& e) {
     if (threads.empty()) throw;
@@ -93,7 +93,7 @@ int render_locally(const RenderOptions& options) {
         make_witness({{"the host", host}}, liveness::kGraceForHost_s));
     return shared->bytes();
   };
-  const NodeEnding ending = run_node(*transport, NodeId(session.rank()), load_scene_block, make_scene_worker);
+  const NodeEnding ending = run_node(*transport, NodeId(session.rank()), load_scene_block, make_workers());
   heart.reset();
   session.finish(ending == NodeEnding::failed ? kRenderFailure : kComplete,
                  ending == NodeEnding::finished ? Parting::together : Parting::without_the_lost);

@@ -7,10 +7,12 @@
 #include <deque>
 #include <thread>
 #include <utility>
+#include <variant>
 
 #include "node/results.h"
 #include "protocol/build_identity.h"
 #include "protocol/clock.h"
+#include "protocol/phase_data.h"
 #include "protocol/watchdog.h"
 
 namespace rayfarm {
@@ -28,11 +30,15 @@ struct HostGone {
   std::string sign;
 };
 
+/// The host began another phase while an item was done, which nobody needs any more.
+struct PhaseOver {};
+
 /// What the host hands out.
-struct Assigned {
+struct PolygonOfStep {
   StepIndex step;
   DisplayPolygon polygon;
 };
+using Assigned = std::variant<PolygonOfStep, UnitRange>;
 
 class Node {
  public:
@@ -51,17 +57,20 @@ class Node {
   /// From now on the node works by `plan`, which must outlive it.
   void begin(const JobPlan& plan) {
     plan_ = &plan;
-    phase_ = &pictures_of(plan);
     host_heard_ = listening_.now();
   }
 
-  /// Until the host ends it. A node that could not load (no worker) only waits for that.
-  [[noreturn]] void work(PhaseWorker* worker) {
+  using MakeZones = std::function<std::unique_ptr<ZoneTracer>(FrameNumber frame)>;
+
+  /// Until the host ends it. A node that could not load (no worker for pictures) only waits for that.
+  [[noreturn]] void work(PictureWorker* pictures, const MakeZones& make_zones) {
+    pictures_ = pictures;
+    make_zones_ = make_zones;
     Backoff backoff;
     while (true) {
       poll();
-      if (const auto next = worker ? next_item() : std::nullopt) {
-        do_item(*worker, *next);
+      if (const auto next = pictures_ ? next_item() : std::nullopt) {
+        do_item(*next);
         backoff.reset();
       } else {
         backoff.wait_for(transport_);
@@ -78,17 +87,53 @@ class Node {
   void poll() {
     last_poll_ = now_s();
     listening_.turn(last_poll_);
+    if (next_phase_) begin_phase(*std::exchange(next_phase_, std::nullopt));
     while (auto message = transport_.try_receive()) {
       host_heard_ = listening_.now();
-      if (message->channel == Channel::control) {
+      if (message->channel == Channel::control)
         receive_control(decode_control(message->bytes));
-      } else if (command_of(message->bytes) == Command::load_code) {
-        plan_bytes_ = decode_load_code(message->bytes);
-      } else {
-        assigned_.push_back({step_, decode_display_polygon(message->bytes)});
-      }
+      else
+        receive_command(message->bytes);
     }
     if (!transport_.is_one_process()) doubt_host();
+  }
+
+  void receive_command(std::span<const std::byte> message) {
+    switch (command_of(message)) {
+      case Command::load_code:
+        plan_bytes_ = decode_load_code(message);
+        break;
+      case Command::load_data:
+        data().take(decode_load_data(message));
+        break;
+      default:
+        if (is_of_zones())
+          assigned_.emplace_back(decode_unit_range(message));
+        else
+          assigned_.emplace_back(PolygonOfStep{step_, decode_display_polygon(message)});
+    }
+  }
+
+  bool is_of_zones() const { return begin_.kind == PhaseKind::zones; }
+  /// Of the phase at work. A picture's worker may look at the last solution while stages go on.
+  DataIntake& data() { return is_of_zones() ? stage_ : solution_; }
+
+  /// Not while an item is done.
+  void begin_phase(const BeginPhase& begin) {
+    begin_ = begin;
+    phase_.reset();
+    is_prepared_ = false;
+    assigned_.clear();
+    step_ = open_end_ = own_step_ = StepIndex();
+    next_own_ = 0;
+    if (!is_of_zones() || tracer_frame_ != begin.frame) tracer_.reset();
+    stage_.expect(kStageAddress, 0);
+    try {
+      data().expect(is_of_zones() ? kStageAddress : kSolutionAddress, begin.data_bytes);
+    } catch (const std::bad_alloc&) {
+      send_failure(fmt::format("there is no memory for {} MiB of zones", begin.data_bytes >> 20));
+      pictures_ = nullptr;
+    }
   }
 
   /// Silence alone ends nothing soon: a host that was stopped may go on.
@@ -111,48 +156,114 @@ class Node {
     if (const auto* select = std::get_if<SelectStep>(&control)) step_ = select->step;
     if (const auto* open = std::get_if<OpenSteps>(&control)) open_end_ = open->end;
     if (const auto* end = std::get_if<EndProcess>(&control)) end_hung_process(end->pid);
+    if (const auto* begin = std::get_if<BeginPhase>(&control)) {
+      if (is_working_) {
+        next_phase_ = *begin;
+        throw PhaseOver{};
+      }
+      begin_phase(*begin);
+    }
   }
 
   /// What the host assigned comes first; then, when interleaved, this node's own items of each open step.
   std::optional<Assigned> next_item() {
+    if (begin_.units == 0 || !data().is_whole()) return std::nullopt;
+    if (!phase_) phase_ = phase_of(*plan_, begin_);
     if (!assigned_.empty()) {
       const Assigned next = assigned_.front();
       assigned_.pop_front();
       return next;
     }
     if (plan_->policy != AssignmentPolicy::interleaved) return std::nullopt;
-    if (!own_set_)
-      own_set_ = interleaved_set(phase_->grid, plan_->sets, plan_->processors, processor_of(self_));
-    if (own_set_->empty()) return std::nullopt;
-    if (next_of_set_ == own_set_->size()) {
-      ++own_step_;
-      next_of_set_ = 0;
-    }
-    if (own_step_ >= open_end_ || own_step_.value() >= phase_->steps()) return std::nullopt;
-    const SubpolygonId own = own_subpolygon(*plan_, *phase_, own_step_, (*own_set_)[next_of_set_++]);
-    return Assigned{own_step_, phase_->grid.polygon(own)};
+    return std::visit([this](const auto& phase) { return next_own(phase); }, *phase_);
   }
 
-  void do_item(PhaseWorker& worker, const Assigned& assigned) {
-    const double begin = now_s();
-    ItemIndex item = phase_->item_of(assigned.step, SubpolygonId());
-    try {
-      const std::optional<SubpolygonId> subpolygon = phase_->grid.find(assigned.polygon);
-      if (!subpolygon) throw ProtocolError("the display polygon is not one of the grid's");
-      item = phase_->item_of(assigned.step, *subpolygon);
-      if (!phase_->has(item)) throw ProtocolError("the step is not one of the phase's");
-      const ItemResult result = worker.work(item, [this] {
-        if (now_s() - last_poll_ > liveness::kPoll_s) poll();
-      });
-      if (plan_->ray_time_s > 0) pretend_until(begin + emulated_s(result.rays));
-      const SubpolygonReport report{phase_->number_of(item), *subpolygon,
-                                    result.rays.by_kind,     static_cast<uint64_t>((now_s() - begin) * 1e6),
-                                    result.sees_anything,    result.not_finite,
-                                    result.rays.tallies};
-      send_subpolygon(transport_, self_, *plan_, assigned.polygon, report, result.bytes);
-    } catch (const std::exception& e) {
-      transport_.send(kHost, ItemFailed{item, e.what()});
+  std::optional<Assigned> next_own(const PicturesPhase& phase) {
+    if (!own_set_)
+      own_set_ = interleaved_set(phase.grid, plan_->sets, plan_->processors, processor_of(self_));
+    if (own_set_->empty()) return std::nullopt;
+    if (next_own_ == own_set_->size()) {
+      ++own_step_;
+      next_own_ = 0;
     }
+    if (own_step_ >= open_end_ || own_step_.value() >= phase.steps()) return std::nullopt;
+    const SubpolygonId own = own_subpolygon(*plan_, phase, own_step_, (*own_set_)[next_own_++]);
+    return PolygonOfStep{own_step_, phase.grid.polygon(own)};
+  }
+
+  std::optional<Assigned> next_own(const ZonePhase& phase) {
+    if (open_end_ == StepIndex()) return std::nullopt;
+    // One in every so many items, from that on which is ours.
+    ItemIndex item(static_cast<int64_t>(next_own_) * plan_->processors);
+    while (zone_owner(begin_.number, plan_->processors, item) != self_) ++item;
+    if (!phase.has(item)) return std::nullopt;
+    ++next_own_;
+    return phase.units_of(item);
+  }
+
+  void do_item(const Assigned& assigned) {
+    ItemIndex item;  // what a failure tells of; wrong ones name the first
+    is_working_ = true;
+    try {
+      if (const auto* polygon = std::get_if<PolygonOfStep>(&assigned))
+        trace(std::get<PicturesPhase>(*phase_), *polygon, item);
+      else
+        spread(std::get<ZonePhase>(*phase_), std::get<UnitRange>(assigned), item);
+    } catch (const PhaseOver&) {
+    } catch (const std::exception& e) {
+      transport_.send(kHost, ItemFailed{begin_.number, item, e.what()});
+    }
+    is_working_ = false;
+  }
+
+  /// Traces a subpolygon, and returns it.
+  void trace(const PicturesPhase& phase, const PolygonOfStep& assigned, ItemIndex& item) {
+    const double begin = now_s();
+    item = phase.item_of(assigned.step, SubpolygonId());
+    const std::optional<SubpolygonId> subpolygon = phase.grid.find(assigned.polygon);
+    if (!subpolygon) throw ProtocolError("the display polygon is not one of the grid's");
+    item = phase.item_of(assigned.step, *subpolygon);
+    if (!phase.has(item)) throw ProtocolError("the step is not one of the phase's");
+    if (begin_.data_bytes > 0 && !is_prepared_) pictures_->set_zones(data().bytes());
+    is_prepared_ = true;
+    const ItemResult result = pictures_->work(phase.number_of(item), assigned.polygon, [this] { pulse(); });
+    if (plan_->ray_time_s > 0) pretend_until(begin + emulated_s(result.rays));
+    const SubpolygonReport report{phase.number_of(item), *subpolygon,
+                                  result.rays.by_kind,   static_cast<uint64_t>((now_s() - begin) * 1e6),
+                                  result.sees_anything,  result.not_finite,
+                                  result.rays.tallies};
+    send_subpolygon(transport_, self_, *plan_, assigned.polygon, report, result.bytes);
+  }
+
+  /// Does an item of a stage of zones, and returns what came of it.
+  void spread(const ZonePhase& phase, const UnitRange& range, ItemIndex& item) {
+    const double begin = now_s();
+    const std::optional<ItemIndex> found = phase.find(range);
+    if (!found) throw ProtocolError("the units are not an item's");
+    item = *found;
+    if (!tracer_) {
+      tracer_ = make_zones_(phase.frame);
+      tracer_frame_ = phase.frame.value();
+    }
+    if (!is_prepared_) tracer_->begin(data().bytes());
+    is_prepared_ = true;
+    const ZoneItemResult result =
+        tracer_->work(range.first, uint64_t{range.last} - range.first + 1, [this] { pulse(); });
+    if (plan_->ray_time_s > 0) pretend_until(begin + emulated_s(result.rays));
+    send_zones(transport_, self_,
+               {begin_.number,
+                item,
+                result.rays.by_kind,
+                static_cast<uint64_t>((now_s() - begin) * 1e6),
+                result.rays.tallies,
+                false,
+                {}},
+               result.bytes);
+  }
+
+  /// To be called often while an item is done.
+  void pulse() {
+    if (now_s() - last_poll_ > liveness::kPoll_s) poll();
   }
 
   /// What the emulated processor takes for so many rays.
@@ -166,32 +277,41 @@ class Node {
   void pretend_until(double end) {
     for (double rest; (rest = end - now_s()) > 0;) {
       std::this_thread::sleep_for(std::chrono::duration<double>(std::min(rest, liveness::kPoll_s)));
-      if (now_s() - last_poll_ > liveness::kPoll_s) poll();
+      pulse();
     }
   }
 
   Transport& transport_;
   NodeId self_;
   const JobPlan* plan_ = nullptr;  ///< once it has loaded
-  const PicturesPhase* phase_ = nullptr;
+  PictureWorker* pictures_ = nullptr;
+  MakeZones make_zones_;
   std::optional<Bytes> plan_bytes_;
   ProcessSign host_;
   ListeningClock listening_;
   double host_heard_ = 0;  ///< by the listening clock
   double last_poll_ = 0;
+
+  BeginPhase begin_;                      ///< of the phase at work; without units: none is yet
+  std::optional<BeginPhase> next_phase_;  ///< came while an item was done
+  std::optional<Phase> phase_;            ///< the phase at work, once there is something to do
+  DataIntake stage_, solution_;
+  bool is_prepared_ = false;  ///< the worker has the phase's data
+  bool is_working_ = false;   ///< an item is being done
+  std::unique_ptr<ZoneTracer> tracer_;
+  int tracer_frame_ = 0;
   StepIndex step_;  ///< of the display polygons to come
   std::deque<Assigned> assigned_;
   StepIndex open_end_;  ///< interleaved: steps before this may be worked on
   StepIndex own_step_;  ///< interleaved: at whose items the node is
   /// Interleaved: the node's own subpolygons of the first frame, once they are needed.
   std::optional<std::vector<SubpolygonId>> own_set_;
-  size_t next_of_set_ = 0;
+  size_t next_own_ = 0;  ///< of the step
 };
 
 }  // namespace
 
-NodeEnding run_node(Transport& transport, NodeId self, const LoadScene& load_scene,
-                    const MakeWorker& make_worker) {
+NodeEnding run_node(Transport& transport, NodeId self, const LoadScene& load_scene, const Workers& workers) {
   Node node(transport, self);
   try {
     node.introduce();
@@ -201,14 +321,16 @@ NodeEnding run_node(Transport& transport, NodeId self, const LoadScene& load_sce
                    self.value(), machine_name().c_str());
       return NodeEnding::failed;
     }
-    std::unique_ptr<PhaseWorker> worker;
+    std::span<const std::byte> scene;
+    std::unique_ptr<PictureWorker> pictures;
     try {
-      worker = make_worker(plan, plan.phases.at(0), load_scene(node.host()));
+      scene = load_scene(node.host());
+      pictures = workers.make_pictures(plan, scene);
     } catch (const std::exception& e) {
       node.send_failure(e.what());
     }
     node.begin(plan);
-    node.work(worker.get());
+    node.work(pictures.get(), [&](FrameNumber frame) { return workers.make_zones(plan, scene, frame); });
   } catch (const Finished& finished) {
     return finished.has_losses ? NodeEnding::finished_with_losses : NodeEnding::finished;
   } catch (const HostGone& gone) {

@@ -6,32 +6,44 @@
 #include <string>
 
 #include "common/lighting/ray_counts.h"
+#include "common/lighting/zones/zone_solver.h"
 #include "protocol/job_plan.h"
 #include "protocol/liveness.h"
 #include "protocol/transport.h"
 
 namespace rayfarm {
 
-/// What doing an item gave, and took.
+/// What tracing a subpolygon gave, and took.
 struct ItemResult {
-  Bytes bytes;  ///< of pictures: the subpolygon's pixels
+  Bytes bytes;  ///< its pixels
   RayCounts rays;
   bool sees_anything = true;  ///< an eye ray met something
   uint64_t not_finite = 0;    ///< pixels that are infinite or not a number
 };
 
-/// Does the work of a phase.
-class PhaseWorker {
+/// Traces pictures.
+class PictureWorker {
  public:
-  virtual ~PhaseWorker() = default;
+  virtual ~PictureWorker() = default;
+  /// Before pictures that read zones: what a ZoneSolver found. The bytes stay valid until the next.
+  virtual void set_zones(std::span<const std::byte> solution) = 0;
   /// `pulse` must be called often; what it throws must pass through.
-  virtual ItemResult work(ItemIndex item, const std::function<void()>& pulse) = 0;
+  virtual ItemResult work(FrameNumber frame, const DisplayPolygon& polygon,
+                          const std::function<void()>& pulse) = 0;
 };
 
 /// How a node comes by the scene's block once load code has come; the bytes stay valid while the node runs.
 using LoadScene = std::function<std::span<const std::byte>(const ProcessSign& host)>;
-using MakeWorker = std::function<std::unique_ptr<PhaseWorker>(const JobPlan& plan, const Phase& phase,
-                                                              std::span<const std::byte> scene)>;
+/// Who does the work of a job. What they are given outlives them.
+struct Workers {
+  std::function<std::unique_ptr<PictureWorker>(const JobPlan& plan, std::span<const std::byte> scene)>
+      make_pictures;
+  /// Of a pose; called before the first stage of it that the node works at. A node that was away has missed
+  /// stages.
+  std::function<std::unique_ptr<ZoneTracer>(const JobPlan& plan, std::span<const std::byte> scene,
+                                            FrameNumber frame)>
+      make_zones;
+};
 
 enum class NodeEnding {
   finished,
@@ -40,11 +52,12 @@ enum class NodeEnding {
 };
 
 /// Runs node `self` until the host says that the job is over.
-NodeEnding run_node(Transport& transport, NodeId self, const LoadScene& load_scene,
-                    const MakeWorker& make_worker);
+NodeEnding run_node(Transport& transport, NodeId self, const LoadScene& load_scene, const Workers& workers);
 
-/// The worker that traces the pictures' phase with the scene's renderer. `plan` and `phase` must outlive it.
-std::unique_ptr<PhaseWorker> make_scene_worker(const JobPlan& plan, const Phase& phase,
-                                               std::span<const std::byte> scene);
+/// Those of this program. Stands alone in its file, so that a test may be linked with others.
+Workers make_workers();
+
+/// The worker that traces pictures with the scene's renderer.
+std::unique_ptr<PictureWorker> make_scene_worker(const JobPlan& plan, std::span<const std::byte> scene);
 
 }  // namespace rayfarm

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "protocol/block_codec.h"
+#include "protocol/byte_codec.h"
 
 namespace rayfarm {
 namespace {
@@ -49,6 +50,13 @@ void send_subpolygon(Transport& transport, NodeId self, const JobPlan& plan, con
     send_pixels(transport, self, polygon, report, pixels);
   else
     send_block(transport, self, plan.compresses, polygon, report, pixels);
+}
+
+void send_zones(Transport& transport, NodeId self, ZoneResult result, const Bytes& bytes) {
+  const std::optional<Bytes> compressed = compress_bytes(bytes);
+  result.is_compressed = compressed.has_value();
+  result.bytes = compressed ? *compressed : bytes;
+  transport.send(kHost, Channel::command, encode_zone_result(processor_of(self), result));
 }
 
 }  // namespace rayfarm

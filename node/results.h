@@ -8,4 +8,7 @@ namespace rayfarm {
 void send_subpolygon(Transport& transport, NodeId self, const JobPlan& plan, const DisplayPolygon& polygon,
                      const SubpolygonReport& report, const Bytes& pixels);
 
+/// Sends what came of an item of zones; `result` has all but its bytes.
+void send_zones(Transport& transport, NodeId self, ZoneResult result, const Bytes& bytes);
+
 }  // namespace rayfarm

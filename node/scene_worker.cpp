@@ -6,29 +6,29 @@
 namespace rayfarm {
 namespace {
 
-class PictureTracer : public PhaseWorker {
+class PictureTracer : public PictureWorker {
  public:
-  PictureTracer(const PicturesPhase& phase, const RenderSettings& settings, std::span<const std::byte> block)
-      : phase_(phase), renderer_(decode_scene(block), settings) {}
+  PictureTracer(const RenderSettings& settings, std::span<const std::byte> block)
+      : renderer_(decode_scene(block), settings) {}
 
-  ItemResult work(ItemIndex item, const std::function<void()>& pulse) override {
-    const DisplayPolygon p = phase_.polygon_of(item);
+  void set_zones(std::span<const std::byte>) override {
+    throw ProtocolError("no lighting model of this build reads zones");
+  }
+
+  ItemResult work(FrameNumber frame, const DisplayPolygon& p, const std::function<void()>& pulse) override {
     RenderedPixels rendered =
-        renderer_.render(phase_.number_of(item).value(), {p.left, p.top, p.right + 1, p.bottom + 1}, pulse);
+        renderer_.render(frame.value(), {p.left, p.top, p.right + 1, p.bottom + 1}, pulse);
     return {std::move(rendered.pixels), rendered.counts, rendered.eye_hits > 0, rendered.not_finite};
   }
 
  private:
-  const PicturesPhase& phase_;
   Renderer renderer_;
 };
 
 }  // namespace
 
-std::unique_ptr<PhaseWorker> make_scene_worker(const JobPlan& plan, const Phase& phase,
-                                               std::span<const std::byte> scene) {
-  return std::make_unique<PictureTracer>(std::get<PicturesPhase>(phase), decode_settings(plan.settings),
-                                         scene);
+std::unique_ptr<PictureWorker> make_scene_worker(const JobPlan& plan, std::span<const std::byte> scene) {
+  return std::make_unique<PictureTracer>(decode_settings(plan.settings), scene);
 }
 
 }  // namespace rayfarm

@@ -1,5 +1,6 @@
 #include "protocol/job_plan.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace rayfarm {
@@ -7,13 +8,10 @@ namespace {
 // Times and factors travel as whole numbers.
 constexpr double kTicksPerSecond = 1e12, kFactorUnit = 1e6;
 
-enum class PhaseKind : uint8_t { pictures };
-
 enum Flag : uint8_t { kPixelWire = 1, kCompresses = 2, kRotates = 4, kRows = 8 };
 constexpr int kAllFlags = kPixelWire | kCompresses | kRotates | kRows;
 
-void write_phase(ByteWriter& w, const PicturesPhase& phase) {
-  w.u8(static_cast<uint8_t>(PhaseKind::pictures));
+void write_pictures(ByteWriter& w, const PicturesPhase& phase) {
   w.varint(phase.frames.size());
   for (const FrameNumber frame : phase.frames) w.u32(static_cast<uint32_t>(frame.value()));
   const SubpolygonGrid& g = phase.grid;
@@ -39,11 +37,6 @@ PicturesPhase read_pictures(ByteReader& r, size_t plan_bytes) {
   return phase;
 }
 
-Phase read_phase(ByteReader& r, size_t plan_bytes) {
-  if (r.u8() != static_cast<uint8_t>(PhaseKind::pictures)) throw ProtocolError("a phase of unknown kind");
-  return read_pictures(r, plan_bytes);
-}
-
 }  // namespace
 
 Bytes encode_plan(const JobPlan& plan) {
@@ -60,8 +53,7 @@ Bytes encode_plan(const JobPlan& plan) {
   for (const double factor : plan.time_factors) w.varint(static_cast<uint64_t>(factor * kFactorUnit));
   w.varint(plan.settings.size());
   w.bytes(plan.settings);
-  w.varint(plan.phases.size());
-  for (const Phase& phase : plan.phases) std::visit([&w](const auto& p) { write_phase(w, p); }, phase);
+  write_pictures(w, plan.pictures);
   return w.take();
 }
 
@@ -87,34 +79,48 @@ JobPlan decode_plan(std::span<const std::byte> bytes) {
     plan.time_factors.push_back(static_cast<double>(r.varint()) / kFactorUnit);
   const auto settings = r.bytes(r.varint());
   plan.settings.assign(settings.begin(), settings.end());
-  const uint64_t phases = r.varint();
-  if (phases == 0 || phases > bytes.size()) throw ProtocolError("a plan has no phase, or more than bytes");
-  for (uint64_t i = 0; i < phases; ++i) plan.phases.push_back(read_phase(r, bytes.size()));
+  plan.pictures = read_pictures(r, bytes.size());
   return plan;  // load code pads its payload to whole words, so bytes may follow
 }
 
-const PicturesPhase& pictures_of(const JobPlan& plan) {
-  for (const Phase& phase : plan.phases)
-    if (const auto* pictures = std::get_if<PicturesPhase>(&phase)) return *pictures;
-  throw ProtocolError("a plan without pictures");
+BeginPhase beginning_of(const Phase& phase, uint32_t number, uint64_t data_bytes) {
+  if (const auto* zones = std::get_if<ZonePhase>(&phase))
+    return {number, PhaseKind::zones, zones->frame.value(), zones->units, zones->units_per_item, data_bytes};
+  const auto& pictures = std::get<PicturesPhase>(phase);
+  return {number, PhaseKind::pictures, pictures.first.value(), pictures.frames.size(), 1, data_bytes};
+}
+
+Phase phase_of(const JobPlan& plan, const BeginPhase& begin) {
+  if (begin.kind == PhaseKind::zones) {
+    if (begin.units > ZonePhase::kMostUnits)
+      throw ProtocolError("a phase has more units than 32 bits address");
+    return ZonePhase{FrameNumber(begin.frame), begin.units, std::min(begin.units_per_item, begin.units)};
+  }
+  const std::vector<FrameNumber>& frames = plan.pictures.frames;
+  const size_t all = frames.size(), first = static_cast<size_t>(std::max(begin.frame, 0));
+  if (begin.frame < 0 || first > all || begin.units > all - first)
+    throw ProtocolError("a phase has frames that the plan has not");
+  const auto at = frames.begin() + begin.frame;
+  return PicturesPhase{
+      {at, at + static_cast<std::ptrdiff_t>(begin.units)}, plan.pictures.grid, FrameIndex(begin.frame)};
 }
 
 namespace {
-/// How often the sets of a frame have moved on.
-FrameIndex moves_of(const JobPlan& plan, FrameIndex frame) {
-  return plan.rotates ? frame : FrameIndex(0);
+/// How often the sets of a phase's frame have moved on.
+FrameIndex moves_of(const JobPlan& plan, const PicturesPhase& phase, FrameIndex frame) {
+  return plan.rotates ? FrameIndex(phase.first.value() + frame.value()) : FrameIndex(0);
 }
 }  // namespace
 
 NodeId owner_of(const JobPlan& plan, const PicturesPhase& phase, ItemIndex item) {
-  const FrameIndex moves = moves_of(plan, phase.frame_of(item));
+  const FrameIndex moves = moves_of(plan, phase, phase.frame_of(item));
   const SubpolygonId subpolygon = phase.subpolygon_of(item);
   return NodeId(interleaved_owner(phase.grid, plan.sets, plan.processors, moves, subpolygon) + 1);
 }
 
 SubpolygonId own_subpolygon(const JobPlan& plan, const PicturesPhase& phase, FrameIndex frame,
                             SubpolygonId of_set) {
-  return moved_right(phase.grid, of_set, moves_of(plan, frame));
+  return moved_right(phase.grid, of_set, moves_of(plan, phase, frame));
 }
 
 }  // namespace rayfarm

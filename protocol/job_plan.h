@@ -18,8 +18,8 @@ constexpr int least_side_of(Wire wire) {
 }
 
 struct JobPlan {
-  std::string build;  ///< the host's
-  std::vector<Phase> phases;
+  std::string build;       ///< the host's
+  PicturesPhase pictures;  ///< all of them; other phases are decided as the job goes
   AssignmentPolicy policy = AssignmentPolicy::on_demand;
   Wire wire = Wire::block;
   bool compresses = true;  ///< blocks, whose pixels are RGB8
@@ -32,8 +32,10 @@ struct JobPlan {
   Bytes settings;
 };
 
-/// The phase that makes the pictures; every job has one. Throws ProtocolError if this has none.
-const PicturesPhase& pictures_of(const JobPlan& plan);
+/// How a phase is told to nodes, and what they make of it. Throws ProtocolError if the plan has no such
+/// frames, or the units can't be addressed.
+BeginPhase beginning_of(const Phase& phase, uint32_t number, uint64_t data_bytes);
+Phase phase_of(const JobPlan& plan, const BeginPhase& begin);
 
 /// Interleaved: the node that does an item by itself.
 NodeId owner_of(const JobPlan& plan, const PicturesPhase& phase, ItemIndex item);

@@ -15,6 +15,7 @@ struct Hub {
     std::mutex mutex;
     std::condition_variable came;
     std::deque<Message> messages;
+    size_t bytes = 0;  ///< of all messages
   };
   std::vector<Inbox> inboxes;
 };
@@ -26,6 +27,11 @@ class LocalTransport : public Transport {
   }
   int node_count() const override { return static_cast<int>(hub_->inboxes.size()) - 1; }
   bool is_one_process() const override { return true; }
+  size_t unsent_bytes(NodeId to) override {
+    Hub::Inbox& inbox = hub_->inboxes.at(to.place());
+    const std::lock_guard lock(inbox.mutex);
+    return inbox.bytes;
+  }
   void wait_for_message(double longest_s) override {
     Hub::Inbox& inbox = hub_->inboxes[self_.place()];
     std::unique_lock lock(inbox.mutex);
@@ -38,6 +44,7 @@ class LocalTransport : public Transport {
     Hub::Inbox& inbox = hub_->inboxes.at(to.place());
     {
       const std::lock_guard lock(inbox.mutex);
+      inbox.bytes += bytes.size();
       inbox.messages.push_back({self_, channel, std::move(bytes)});
     }
     inbox.came.notify_one();
@@ -48,6 +55,7 @@ class LocalTransport : public Transport {
     if (inbox.messages.empty()) return std::nullopt;
     Message message = std::move(inbox.messages.front());
     inbox.messages.pop_front();
+    inbox.bytes -= message.bytes.size();
     return message;
   }
 

@@ -5,13 +5,22 @@
 namespace rayfarm {
 namespace {
 
+template <typename Counters>
+void write_counters(ByteWriter& w, const Counters& counters) {
+  for (const uint64_t count : counters) w.varint(count);
+}
+template <typename Counters>
+void read_counters(ByteReader& r, Counters& counters) {
+  for (uint64_t& count : counters) count = r.varint();
+}
+
 void write_report(ByteWriter& w, const SubpolygonReport& r) {
   w.varint(static_cast<uint64_t>(r.frame.value()));
   w.varint(static_cast<uint64_t>(r.subpolygon.value()));
-  for (const uint64_t rays : r.rays) w.varint(rays);
+  write_counters(w, r.rays);
   w.varint(r.busy_us);
   w.varint(r.not_finite << 1 | (r.sees_anything ? 1u : 0u));
-  for (const uint64_t tally : r.ray_tallies) w.varint(tally);
+  write_counters(w, r.ray_tallies);
 }
 
 template <typename Value>
@@ -21,16 +30,19 @@ Value checked(uint64_t number) {
   return static_cast<Value>(number);
 }
 
+/// Of return result, beside the thesis's pixels.
+enum class Form : uint8_t { block, compressed_block, zone, compressed_zone };
+
 SubpolygonReport read_report(ByteReader& r) {
   SubpolygonReport report;
   report.frame = FrameNumber(checked<int>(r.varint()));
   report.subpolygon = SubpolygonId(checked<int>(r.varint()));
-  for (uint64_t& rays : report.rays) rays = r.varint();
+  read_counters(r, report.rays);
   report.busy_us = r.varint();
   const uint64_t last = r.varint();
   report.sees_anything = last & 1;
   report.not_finite = last >> 1;
-  for (uint64_t& tally : report.ray_tallies) tally = r.varint();
+  read_counters(r, report.ray_tallies);
   return report;
 }
 
@@ -85,8 +97,12 @@ void encode_load_data(const LoadData& data, Bytes& out) {
   if (data.address % kDataWordBytes != 0 || data.payload.size() % kDataWordBytes != 0)
     throw ProtocolError("data are loaded in words of 64 bytes");
   const uint64_t count = data.payload.size() / kDataWordBytes, address = data.address / kDataWordBytes;
-  if (address + count > std::numeric_limits<uint32_t>::max())
-    throw ProtocolError("the scene is larger than load data can address (256 GiB)");
+  const uint64_t end = data.address < kStageAddress      ? kStageAddress
+                       : data.address < kSolutionAddress ? kSolutionAddress
+                                                         : kEndOfAddresses;
+  if (data.address >= end || data.payload.size() > end - data.address)
+    throw ProtocolError(end == kStageAddress ? "the scene is larger than load data can address (192 GiB)"
+                                             : "zones are larger than load data can address (32 GiB)");
   ByteWriter w;
   w.u16(encode_word({Command::load_data, kAllProcessors}));
   w.u32(static_cast<uint32_t>(count));
@@ -105,6 +121,25 @@ LoadData decode_load_data(std::span<const std::byte> message) {
   if (data.payload.size() != count * kDataWordBytes)
     throw ProtocolError("load data has another length than it says");
   return data;
+}
+
+Bytes encode_unit_range(uint16_t processor, const UnitRange& range) {
+  ByteWriter w;
+  w.u16(encode_word({Command::load_display_polygon, processor}));
+  w.u32(range.first);
+  w.u32(range.last);
+  return w.take();
+}
+
+UnitRange decode_unit_range(std::span<const std::byte> message) {
+  ByteReader r(message);
+  expect(r, Command::load_display_polygon);
+  UnitRange range;
+  range.first = r.u32();
+  range.last = r.u32();
+  r.expect_end();
+  if (range.first > range.last) throw ProtocolError("the ends of a range are in the wrong order");
+  return range;
 }
 
 Bytes encode_display_polygon(uint16_t processor, const DisplayPolygon& p) {
@@ -147,7 +182,7 @@ PixelResult read_pixel(ByteReader& r) {
 Bytes encode_block(uint16_t processor, const BlockResult& block) {
   ByteWriter w;
   w.u16(encode_word({Command::return_result, processor}));
-  w.u8(block.is_compressed ? 1 : 0);
+  w.u8(static_cast<uint8_t>(block.is_compressed ? Form::compressed_block : Form::block));
   write_report(w, block.report);
   w.bytes(block.pixels);
   return w.take();
@@ -157,12 +192,47 @@ BlockResult decode_block(std::span<const std::byte> message) {
   ByteReader r(message);
   expect(r, Command::return_result);
   BlockResult block;
-  const uint8_t form = r.u8();
-  if (form > 1) throw ProtocolError("a block of unknown form");
-  block.is_compressed = form == 1;
+  const Form form{r.u8()};
+  if (form > Form::compressed_block) throw ProtocolError("a block of unknown form");
+  block.is_compressed = form == Form::compressed_block;
   block.report = read_report(r);
   block.pixels = r.rest();
   return block;
+}
+
+Bytes encode_zone_result(uint16_t processor, const ZoneResult& result) {
+  ByteWriter w;
+  w.u16(encode_word({Command::return_result, processor}));
+  w.u8(static_cast<uint8_t>(result.is_compressed ? Form::compressed_zone : Form::zone));
+  w.varint(result.phase);
+  w.varint(static_cast<uint64_t>(result.item.value()));
+  write_counters(w, result.rays);
+  w.varint(result.busy_us);
+  write_counters(w, result.ray_tallies);
+  w.bytes(result.bytes);
+  return w.take();
+}
+
+bool is_zone_result(std::span<const std::byte> message) {
+  ByteReader r(message);
+  expect(r, Command::return_result);
+  const Form form{r.u8()};
+  return form == Form::zone || form == Form::compressed_zone;
+}
+
+ZoneResult decode_zone_result(std::span<const std::byte> message) {
+  if (!is_zone_result(message)) throw ProtocolError("a result that is not of zones");
+  ByteReader r(message);
+  ZoneResult result;
+  r.u16();
+  result.is_compressed = Form{r.u8()} == Form::compressed_zone;
+  result.phase = checked<uint32_t>(r.varint());
+  result.item = ItemIndex(checked<int64_t>(r.varint()));
+  read_counters(r, result.rays);
+  result.busy_us = r.varint();
+  read_counters(r, result.ray_tallies);
+  result.bytes = r.rest();
+  return result;
 }
 
 Bytes encode_control(const Control& control) {
@@ -180,6 +250,7 @@ Bytes encode_control(const Control& control) {
     void operator()(const OpenSteps& m) const { w.u32(static_cast<uint32_t>(m.end.value())); }
     void operator()(const SubpolygonDone& m) const { write_report(w, m.report); }
     void operator()(const ItemFailed& m) const {
+      w.u32(m.phase);
       w.u64(static_cast<uint64_t>(m.item.value()));
       w.text(m.problem);
     }
@@ -188,6 +259,12 @@ Bytes encode_control(const Control& control) {
     void operator()(const Finish& m) const { w.u8(m.has_losses ? 1 : 0); }
     void operator()(const AskPresent&) const {}
     void operator()(const Present&) const {}
+    void operator()(const BeginPhase& m) const {
+      w.u32(m.number);
+      w.u8(static_cast<uint8_t>(m.kind));
+      w.u32(static_cast<uint32_t>(m.frame));
+      for (const uint64_t v : {m.units, m.units_per_item, m.data_bytes}) w.varint(v);
+    }
   };
   std::visit(Write{w}, control);
   return w.take();
@@ -220,6 +297,7 @@ Control decode_control(std::span<const std::byte> message) {
       break;
     case 5: {
       ItemFailed m;
+      m.phase = r.u32();
       m.item = ItemIndex(checked<int64_t>(r.u64()));
       m.problem = r.text();
       control = m;
@@ -240,6 +318,18 @@ Control decode_control(std::span<const std::byte> message) {
     case 10:
       control = Present{};
       break;
+    case 11: {
+      BeginPhase m;
+      m.number = r.u32();
+      m.kind = PhaseKind{r.u8()};
+      m.frame = static_cast<int>(r.u32());
+      for (uint64_t* v : {&m.units, &m.units_per_item, &m.data_bytes}) *v = r.varint();
+      if (m.kind > PhaseKind::zones) throw ProtocolError("a phase of unknown kind");
+      if (m.units == 0 || m.units_per_item == 0) throw ProtocolError("a phase without work");
+      if (m.data_bytes > kMostPhaseDataBytes) throw ProtocolError("a phase with too many data");
+      control = m;
+      break;
+    }
     default:
       throw ProtocolError("a control message of unknown kind");
   }

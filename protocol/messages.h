@@ -41,10 +41,23 @@ inline constexpr size_t kCodeWordBytes = 4;
 inline constexpr size_t kDataWordBytes = 64;
 inline constexpr size_t kLoadHeaderBytes = 10;
 
+/// Data travel in chunks of so much. A chunk takes well under the time limits even on the thesis's 8 Mbit/s
+/// net (0.26 s per copy).
+inline constexpr size_t kChunkBytes = 256 << 10;
+static_assert(kChunkBytes % kDataWordBytes == 0);
+
 Bytes encode_load_code(std::span<const std::byte> payload);
 Bytes decode_load_code(std::span<const std::byte> message);
 
-/// A chunk of the scene block: `address` and the payload's size are multiples of kDataWordBytes.
+/// Where data lie: the scene block from 0 on, above it what a stage of zones needs, and above that the light
+/// that pictures take from zones. A chunk lies in one of the three.
+inline constexpr uint64_t kStageAddress = uint64_t{192} << 30;
+inline constexpr uint64_t kSolutionAddress = uint64_t{224} << 30;
+inline constexpr uint64_t kEndOfAddresses = uint64_t{256} << 30;
+/// What a phase's data weigh at most.
+inline constexpr uint64_t kMostPhaseDataBytes = kSolutionAddress - kStageAddress;
+
+/// A chunk of data: `address` and the payload's size are multiples of kDataWordBytes.
 struct LoadData {
   uint64_t address = 0;
   std::span<const std::byte> payload;
@@ -62,6 +75,16 @@ struct DisplayPolygon {
 inline constexpr size_t kDisplayPolygonBytes = 10;
 Bytes encode_display_polygon(uint16_t processor, const DisplayPolygon& polygon);
 DisplayPolygon decode_display_polygon(std::span<const std::byte> message);
+
+// In a phase of zones: word, first and last unit, in the places of the corners.
+
+/// Units of a stage, both ends inside it.
+struct UnitRange {
+  uint32_t first = 0, last = 0;
+  bool operator==(const UnitRange&) const = default;
+};
+Bytes encode_unit_range(uint16_t processor, const UnitRange& range);
+UnitRange decode_unit_range(std::span<const std::byte> message);
 
 // Return result.
 
@@ -103,7 +126,24 @@ struct BlockResult {
 Bytes encode_block(uint16_t processor, const BlockResult& block);
 BlockResult decode_block(std::span<const std::byte> message);
 
+/// The zone form: what came of an item of a stage, as bytes whose meaning zones know.
+struct ZoneResult {
+  uint32_t phase = 0;
+  ItemIndex item;
+  std::array<uint64_t, kRayCounters> rays{};
+  uint64_t busy_us = 0;
+  std::array<uint64_t, kRayTallyCounters> ray_tallies{};
+  bool is_compressed = false;
+  std::span<const std::byte> bytes;
+};
+Bytes encode_zone_result(uint16_t processor, const ZoneResult& result);
+ZoneResult decode_zone_result(std::span<const std::byte> message);
+/// True if a return result is of the zone form, whatever else it holds.
+bool is_zone_result(std::span<const std::byte> message);
+
 // Control.
+
+enum class PhaseKind : uint8_t { pictures, zones };
 
 /// Both ways, first of all.
 struct Hello {
@@ -113,6 +153,19 @@ struct Hello {
 };
 /// Both ways, by the heart.
 struct Alive {};
+/// Host → node: a phase begins, and what was handed out before is over. Before its items are done a node
+/// holds `data_bytes` of data, which come by load data at its address.
+struct BeginPhase {
+  uint32_t number = 0;  ///< phases are numbered from 0 in the order of their beginning
+  PhaseKind kind = PhaseKind::pictures;
+  /// Of pictures: the place of the first frame among the job's; of zones: the number of the frame whose pose
+  /// they have.
+  int frame = 0;
+  uint64_t units = 0;           ///< of pictures: frames
+  uint64_t units_per_item = 1;  ///< of pictures: no more than 1
+  uint64_t data_bytes = 0;
+  bool operator==(const BeginPhase&) const = default;
+};
 /// Host → node: the step (of pictures: the frame) of the display polygons that follow.
 struct SelectStep {
   StepIndex step;
@@ -127,6 +180,7 @@ struct SubpolygonDone {
 };
 /// Node → host.
 struct ItemFailed {
+  uint32_t phase = 0;
   ItemIndex item;
   std::string problem;
 };
@@ -147,7 +201,7 @@ struct AskPresent {};
 /// Node → host.
 struct Present {};
 using Control = std::variant<Hello, Alive, SelectStep, OpenSteps, SubpolygonDone, ItemFailed, NodeFailed,
-                             EndProcess, Finish, AskPresent, Present>;
+                             EndProcess, Finish, AskPresent, Present, BeginPhase>;
 Bytes encode_control(const Control& control);
 Control decode_control(std::span<const std::byte> message);
 

@@ -22,10 +22,6 @@ namespace {
 
 constexpr int kHostRank = kHost.value();
 
-// A chunk takes well under the time limit even on the thesis's 8 Mbit/s net (0.26 s per copy).
-constexpr size_t kChunkBytes = 256 << 10;
-static_assert(kChunkBytes % kDataWordBytes == 0);
-
 /// How long MPI may take to start: longer where many processes share few cores.
 double start_limit_s() {
   const char* size = std::getenv("OMPI_COMM_WORLD_SIZE");
@@ -56,17 +52,24 @@ class MpiTransport : public Transport {
     MPI_Comm_size(comm, &size);
     nodes_ = size - 1;
     receives_.resize(static_cast<size_t>(size));
+    unsent_.resize(static_cast<size_t>(size));
     if (rank == kHostRank) own_meter(nodes_);
   }
   int node_count() const override { return nodes_; }
   bool is_one_process() const override { return false; }
+  size_t unsent_bytes(NodeId to) override {
+    const std::lock_guard lock(in_mpi_);
+    drop_finished_sends();
+    return unsent_[to.place()];
+  }
 
  protected:
   void do_send(NodeId to, Channel channel, Bytes bytes) override {
     const std::lock_guard lock(in_mpi_);
     drop_finished_sends();
-    sends_.push_back({MPI_REQUEST_NULL, std::move(bytes)});
-    Pending& s = sends_.back();
+    sends_.push_back({{MPI_REQUEST_NULL, std::move(bytes)}, to});
+    Pending& s = sends_.back().pending;
+    unsent_[to.place()] += s.bytes.size();
     check(MPI_Isend(s.bytes.data(), to_int(s.bytes.size()), MPI_BYTE, to.value(), static_cast<int>(channel),
                     comm_, &s.request),
           "sending");
@@ -118,6 +121,10 @@ class MpiTransport : public Transport {
     MPI_Request request;
     Bytes bytes;
   };
+  struct Send {
+    Pending pending;
+    NodeId to;
+  };
   struct Receive {
     Pending pending;
     Channel channel;
@@ -126,8 +133,10 @@ class MpiTransport : public Transport {
   void drop_finished_sends() {
     for (auto i = sends_.begin(); i != sends_.end();) {
       int done = 0;
-      const int code = MPI_Test(&i->request, &done, MPI_STATUS_IGNORE);
-      i = done || code != MPI_SUCCESS ? sends_.erase(i) : std::next(i);
+      const int code = MPI_Test(&i->pending.request, &done, MPI_STATUS_IGNORE);
+      const bool is_over = done || code != MPI_SUCCESS;
+      if (is_over) unsent_[i->to.place()] -= i->pending.bytes.size();
+      i = is_over ? sends_.erase(i) : std::next(i);
     }
   }
 
@@ -135,7 +144,8 @@ class MpiTransport : public Transport {
   std::mutex& in_mpi_;
   int nodes_ = 0;
   size_t next_ = 0;
-  std::list<Pending> sends_;
+  std::list<Send> sends_;
+  std::vector<size_t> unsent_;  ///< bytes of sends_, by whom they go to
   std::vector<std::deque<Receive>> receives_;
 };
 

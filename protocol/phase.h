@@ -1,6 +1,7 @@
 #pragma once
-// The work of a job: phases, one after the other. A phase goes in steps that are begun in order, and a step
-// has items, which any node can do; how many is all that the assignment of work knows.
+// The work of a job: phases, one after the other, decided as it goes. A phase goes in steps that are begun in
+// order, and a step has items, which any node can do; how many is all that the assignment of work knows.
+#include <algorithm>
 #include <variant>
 #include <vector>
 
@@ -9,10 +10,11 @@
 
 namespace rayfarm {
 
-/// The pictures of a sequence: a step is a frame, an item one of its subpolygons.
+/// Pictures: a step is a frame, an item one of its subpolygons.
 struct PicturesPhase {
   std::vector<FrameNumber> frames;  ///< in the order in which they are rendered
   SubpolygonGrid grid;              ///< of every frame
+  FrameIndex first;                 ///< of the job's frames: from there on interleaved sets have moved
 
   int steps() const { return static_cast<int>(frames.size()); }
   int items_per_step() const { return grid.count(); }
@@ -32,6 +34,33 @@ struct PicturesPhase {
   DisplayPolygon polygon_of(ItemIndex item) const { return grid.polygon(subpolygon_of(item)); }
 };
 
-using Phase = std::variant<PicturesPhase>;
+/// A stage in which light is spread over zones: one step, whose items are ranges of its units.
+struct ZonePhase {
+  FrameNumber frame;            ///< whose pose it is
+  uint64_t units = 1;           ///< at most kMostUnits
+  uint64_t units_per_item = 1;  ///< the last item has what is left
+
+  /// Units are addressed by 32 bits.
+  static constexpr uint64_t kMostUnits = uint64_t{1} << 32;
+
+  int64_t items() const { return static_cast<int64_t>((units + units_per_item - 1) / units_per_item); }
+  bool has(ItemIndex item) const { return item.value() >= 0 && item.value() < items(); }
+  UnitRange units_of(ItemIndex item) const {
+    const uint64_t first = static_cast<uint64_t>(item.value()) * units_per_item;
+    return {static_cast<uint32_t>(first), static_cast<uint32_t>(std::min(first + units_per_item, units) - 1)};
+  }
+  /// The item that such a range is, or nothing.
+  std::optional<ItemIndex> find(const UnitRange& range) const {
+    const ItemIndex item(static_cast<int64_t>(range.first / units_per_item));
+    return has(item) && units_of(item) == range ? std::optional(item) : std::nullopt;
+  }
+};
+
+/// Interleaved: the node that does an item of the phase of that number by itself.
+inline NodeId zone_owner(uint32_t phase, int processors, ItemIndex item) {
+  return NodeId(static_cast<int>((item.value() + phase) % processors) + 1);
+}
+
+using Phase = std::variant<PicturesPhase, ZonePhase>;
 
 }  // namespace rayfarm

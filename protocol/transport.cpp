@@ -29,6 +29,11 @@ void Transport::broadcast(Channel channel, const Bytes& bytes) {
   for (NodeId node(1); node.value() <= node_count(); ++node) do_send(node, channel, bytes);
 }
 
+void Transport::send_of_broadcast(NodeId to, Channel channel, Bytes bytes, bool is_first) {
+  if (is_first) count(kHost, Direction::to_node, channel, bytes);
+  do_send(to, channel, std::move(bytes));
+}
+
 std::optional<Message> Transport::try_receive() {
   last_turn_s_ = now_s();
   auto message = do_try_receive();

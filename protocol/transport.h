@@ -35,6 +35,11 @@ class Transport {
   void send(NodeId to, const Control& control) { send(to, Channel::control, encode_control(control)); }
   /// The host sends to every node; counted once.
   void broadcast(Channel channel, const Bytes& bytes);
+  /// A part of a broadcast, to one node, in its own time; counted for the first of them.
+  void send_of_broadcast(NodeId to, Channel channel, Bytes bytes, bool is_first);
+  /// What was sent to a node and has not been taken up there. An estimate: what the net holds may count as
+  /// taken up.
+  virtual size_t unsent_bytes(NodeId to) = 0;
   /// The next message, if one has come. Malformed commands are counted as one message.
   std::optional<Message> try_receive();
   /// Sleeps for so long, or until a message comes if the transport can tell.

@@ -6,11 +6,25 @@
 namespace rayfarm {
 
 Assignment::Assignment(const AssignmentOptions& options, double now)
-    : options_(options),
-      steps_(static_cast<size_t>(options.steps)),
-      nodes_(static_cast<size_t>(options.nodes)) {
-  for (NodeState& node : nodes_) node.heard = node.freed = now;
-  for (NodeId node(1); node.value() <= options_.nodes; ++node) update_room(node);
+    : options_(options), nodes_(static_cast<size_t>(options.nodes)) {
+  for (NodeState& node : nodes_) node.heard = now;
+  begin(options, now);
+}
+
+void Assignment::begin(const PhaseWork& work, double now) {
+  static_cast<PhaseWork&>(options_) = work;
+  steps_ = std::vector<Step>(static_cast<size_t>(work.steps));
+  waiting_.clear();
+  opened_ = StepIndex();
+  released_ = 0;
+  for (NodeId node(1); node.value() <= options_.nodes; ++node) {
+    NodeState& state = node_state(node);
+    state.freed = now;
+    state.assigned.clear();
+    state.own.clear();
+    state.own_left = 0;
+    update_room(node);
+  }
   open_steps(now);
   hand_out(now);
 }
@@ -193,6 +207,10 @@ void Assignment::finish_item(ItemIndex index) {
 
 bool Assignment::is_credible(NodeId node, ItemIndex item) {
   return item >= ItemIndex(0) && item < first_of(opened_) && !node_state(node).is_expelled;
+}
+
+bool Assignment::needs(NodeId node, ItemIndex item) {
+  return is_credible(node, item) && !is_done(item);
 }
 
 bool Assignment::accept(NodeId node, ItemIndex item, double now) {

@@ -1,8 +1,8 @@
 #pragma once
-// Who does what of a phase's work: a pure state machine. Events and the time go in, actions come out; it
-// sends nothing and reads no clock, so that every fault can be played through in a test. Time is that of a
-// ListeningClock, in which pauses of the host do not count. It knows no more of the work than how many items
-// each step has. One machine, two policies:
+// Who does what of a job's phases, one after the other: a pure state machine. Events and the time go in,
+// actions come out; it sends nothing and reads no clock, so that every fault can be played through in a test.
+// Time is that of a ListeningClock, in which pauses of the host do not count. It knows no more of the work
+// than how many items each step has. One machine, two policies:
 //  - on demand: the host hands out items, two at each node, and gives what a slow or lost node holds to
 //  others;
 //  - interleaved (thesis 4.4.4.2): each node knows its own items; only what a lost node leaves behind is
@@ -24,13 +24,18 @@
 
 namespace rayfarm {
 
-struct AssignmentOptions {
-  int nodes = 1;
+/// The work of a phase.
+struct PhaseWork {
   int steps = 1;
   int items_per_step = 1;
   int window_steps = 3;  ///< steps begun but not yet released: bounds the host's memory
   /// Interleaved: the node that does an item by itself; empty: all is handed out on demand.
   std::function<NodeId(ItemIndex)> owner_of;
+};
+
+/// Of the net, and the work of the first phase.
+struct AssignmentOptions : PhaseWork {
+  int nodes = 1;
   int held_per_node = 2;
   int most_tries = 3;                               ///< of an item that fails
   double lost_after_s = liveness::kNodeTimeout_s;   ///< a node that is silent for so long is lost
@@ -70,8 +75,14 @@ class Assignment {
  public:
   Assignment(const AssignmentOptions& options, double now);
 
+  /// The next phase, when one is over. Nodes stay what they are: those lost may return, those expelled may
+  /// not.
+  void begin(const PhaseWork& work, double now);
+
   /// A node gave a sign of life.
   void hear(NodeId node, double now);
+  /// True if such a result would be news.
+  bool needs(NodeId node, ItemIndex item);
   /// A result came. False: a duplicate, or one of a step that is over; drop it.
   bool accept(NodeId node, ItemIndex item, double now);
   /// A node could not do an item.
@@ -88,6 +99,7 @@ class Assignment {
 
   bool is_over() const { return released_ == options_.steps; }
   int nodes_alive() const;
+  bool is_expelled(NodeId node) const { return nodes_[node.place() - 1].is_expelled; }
 
  private:
   enum class State : uint8_t { closed, waiting, held, done };

@@ -1,86 +1,62 @@
 #pragma once
-// Rank 0 while the net works: it feeds the assignment's state machine with what comes from the nodes, carries
-// out its actions, and puts pixels into frame buffers. Nothing in it waits for any single node.
-#include <functional>
-
-#include "common/image/image_file.h"
-#include "host/farm/assignment.h"
-#include "host/farm/frame_writer.h"
-#include "host/farm/job_result.h"
-#include "host/farm/progress.h"
-#include "protocol/job_plan.h"
-#include "protocol/liveness.h"
-#include "protocol/transport.h"
+// Rank 0 while the net works: it decides which phase comes next, feeds the assignment's state machine with
+// what comes from the nodes, and carries out its actions. Nothing in it waits for any single node.
+#include "host/farm/pictures_host.h"
+#include "host/farm/zones_host.h"
+#include "protocol/phase_data.h"
 
 namespace rayfarm {
-
-struct FarmHostOptions {
-  JobPlan plan;
-  Image image;                                    ///< size, window and format of every frame; no pixels
-  std::map<std::string, std::string> attributes;  ///< of every file
-  std::vector<std::string> files;                 ///< one per frame of the pictures
-  double node_timeout_s = liveness::kNodeTimeout_s;
-  int window_frames = 3;           ///< in memory at a time
-  bool keeps_costs = false;        ///< what each subpolygon took, in the result
-  std::vector<ProcessSign> signs;  ///< of the nodes, in order; empty: none can be lost alone
-  ProgressStyle progress = ProgressStyle::automatic;
-};
-
-/// Tells people what happens; the argument is one line of text.
-using Tell = std::function<void(const std::string&)>;
 
 class FarmHost {
  public:
   /// result.nodes holds all nodes.
   FarmHost(Transport& transport, const FarmHostOptions& options, JobResult& result, Tell tell);
 
-  /// Until every frame is written or has failed, all nodes are lost, or the user interrupts. Frames that are
-  /// whole are written in any case.
+  /// For each group of frames: light is spread over zones, if pictures read any, then pictures are made.
+  /// Until every frame is written or has failed, all nodes are lost, zones fail, or the user interrupts.
+  /// Frames that are whole are written in any case.
   void run();
 
  private:
-  struct FrameBuffer {
-    std::vector<std::byte> pixels;
-    bool is_begun = false;
-  };
-
+  /// What pictures of a group read of zones; nothing if the job is over.
+  std::optional<Bytes> solve_zones(const FrameGroup& group);
+  Bytes spread(ZoneSolver& solver, FrameNumber frame);
+  void make_pictures(const FrameGroup& group, Bytes solution);
+  /// All nodes hold `data` before they do an item.
+  void run_phase(PhaseHost& phase, uint64_t address, Bytes data);
+  bool take_messages(double now);
   void receive(const Message& message, double now);
   void receive_control(NodeId node, const Control& control, double now);
-  void receive_block(NodeId node, std::span<const std::byte> bytes, double now);
-  void receive_pixels(NodeId node, std::span<const std::byte> bytes);
-  void end_of_pixels(NodeId node, const SubpolygonReport& report, double now);
-  /// `bytes`: of the pixels on the net.
-  void keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
-                   size_t bytes, double now);
+  void receive_failure(NodeId node, const ItemFailed& failed, double now);
   void carry_out(const Action& action);
-  void carry_out(const AssignItem& assign);
+  void carry_out(const AssignItem& assign) { phase_->assign(assign); }
   void carry_out(const OpenedSteps& opened);
-  void carry_out(const StepComplete& complete);
-  void carry_out(const StepFailed& failed);
+  void carry_out(const StepComplete& complete) { phase_->complete(complete.step, listening_.now()); }
+  void carry_out(const StepFailed& failed) { phase_->fail(failed, listening_.now()); }
   void carry_out(const NodeLost& lost);
   void carry_out(const NodeReturned& returned);
   void carry_out(const AllNodesLost&);
-  void take_written(double now);
-  void tell_what_is_odd(const FrameResult& frame) const;
   void expel_the_gone(double now);
   void expel(NodeId node, const std::string& problem, double now);
-  /// Throws ProtocolError if the phase has no such item.
-  ItemIndex item_of(const SubpolygonReport& report) const;
+  void tell_if_none_is_heard();
+  void show_progress(bool at_end);
 
   Transport& transport_;
   const FarmHostOptions& options_;
-  const PicturesPhase& pictures_;  ///< the phase that is at work
   JobResult& result_;
   Tell tell_;
-  FrameWriter writer_;
   ListeningClock listening_;  // before the assignment, which begins by it
   Assignment assignment_;
+  PicturesHost pictures_;
+  ZonesHost zones_;
+  PhaseHost* phase_ = nullptr;    ///< at work
+  uint32_t next_number_ = 0;      ///< of the phase that will begin next
+  std::optional<DataFeed> feed_;  ///< of the phase at work
   Progress progress_;
-  std::map<FrameNumber, FrameIndex> index_of_frame_;
-  std::vector<FrameBuffer> frames_;
-  std::vector<std::vector<PixelResult>> pixels_of_node_;  ///< pixel wire: of the subpolygon being returned
-  std::vector<std::optional<StepIndex>> step_of_node_;    ///< the step last selected at each node
-  bool is_waiting_for_any_ = false;                       ///< all nodes are lost, and it was told
+  double phase_began_s_ = 0;  ///< see now_s, as all these
+  double traced_s_ = 0;       ///< when the last pixels came
+  double ticked_s_ = 0, looked_s_ = 0;
+  bool is_waiting_for_any_ = false;  ///< all nodes are lost, and it was told
   bool is_over_ = false;
 };
 

@@ -17,6 +17,8 @@ struct NodeResult {
   uint64_t subpolygons = 0;  ///< returned, duplicates too
   uint64_t rays = 0;
   double busy_s = 0;
+  uint64_t zone_items = 0;  ///< returned, duplicates too
+  double zone_busy_s = 0;
   bool is_lost = false;
   bool had_work = false;  ///< when it was lost
   std::string problem;    ///< for which it was expelled
@@ -42,6 +44,20 @@ struct FrameResult {
   std::vector<SubpolygonCost> costs;  ///< by subpolygon, if they are kept
 };
 
+/// What was done for zones before pictures.
+struct ZonesResult {
+  uint64_t stages = 0;
+  int rounds = 0;
+  RayCounts rays;
+  double seconds = 0;             ///< from the beginning of stages to the light that they gave
+  uint64_t data_bytes = 0;        ///< of stages and solutions, broadcast
+  uint64_t assignment_bytes = 0;  ///< to nodes
+  uint64_t result_bytes = 0;      ///< from nodes, those dropped too
+  uint64_t results = 0;           ///< kept
+  uint64_t retried = 0;           ///< items that failed at a node, and went to another
+  uint64_t read = 0;              ///< solutions that were there in files
+};
+
 struct JobTimes {
   double load_s = 0, build_s = 0, broadcast_s = 0, trace_s = 0, write_s = 0, total_s = 0;
   double finish_s = 0;  ///< from the last result to the last file
@@ -55,7 +71,9 @@ struct JobResult {
   uint64_t pixels_received = 0;  ///< in results, duplicates too
   uint64_t pixels_kept = 0;
   uint64_t duplicates = 0;  ///< results dropped
-  RayCounts rays;
+  RayCounts rays;           ///< of pictures
+  ZonesResult zones;
+  std::string problem;       ///< for which the job could not go on; empty: there was none
   uint64_t scene_bytes = 0;  ///< of the block that load data carries
   JobTimes times;
   bool was_interrupted = false;

@@ -75,6 +75,14 @@ void Progress::show_building(double now_s, uint64_t done, uint64_t total) {
         share);
 }
 
+void Progress::show_zones(double now_s, const ZoneProgress& zones, int nodes) {
+  if (style_ == ProgressStyle::none || !is_time(now_s)) return;
+  print(fmt::format("zones: round {}, {:.1f} % unsent, {}  {}  {} node{}", zones.rounds, 100 * zones.unsent,
+                    format_rate(static_cast<double>(zones.rays), "rays"), format_duration(now_s), nodes,
+                    nodes == 1 ? "" : "s"),
+        std::clamp(1 - zones.unsent, 0.0, 1.0));
+}
+
 void Progress::show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
                     bool at_end) {
   if (style_ == ProgressStyle::none || (!is_time(now_s) && !at_end)) return;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "common/lighting/zones/zone_solver.h"
+
 namespace rayfarm {
 
 enum class ProgressStyle { automatic, tty, plain, none };
@@ -15,6 +17,8 @@ class Progress {
   void show_reading(double now_s, uint64_t done, uint64_t total);
   /// Shows how far the hierarchy of a big scene is, if it is time to.
   void show_building(double now_s, uint64_t done, uint64_t total);
+  /// Shows how far light is spread over zones, if it is time to; `now_s` is the time since that began.
+  void show_zones(double now_s, const ZoneProgress& zones, int nodes);
   /// Shows the state if it is time to; `now_s` is the time since tracing began.
   void show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
             bool at_end = false);

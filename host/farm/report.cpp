@@ -7,9 +7,14 @@
 #include "host/farm/progress.h"
 
 namespace rayfarm {
+
+uint64_t picture_result_bytes(const JobResult& result, const TrafficMeter& meter) {
+  return meter.total(Command::return_result).bytes - result.zones.result_bytes;
+}
+
 double bytes_per_received_pixel(const JobResult& result, const TrafficMeter& meter) {
   return result.pixels_received == 0 ? 0
-                                     : static_cast<double>(meter.total(Command::return_result).bytes) /
+                                     : static_cast<double>(picture_result_bytes(result, meter)) /
                                            static_cast<double>(result.pixels_received);
 }
 

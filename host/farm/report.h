@@ -9,7 +9,9 @@ namespace rayfarm {
 
 /// The thesis's result message: bytes per pixel (4.4.4.2).
 inline constexpr double kModelBytesPerPixel = 9;
-/// What the results that came weighed on the net.
+/// What results of pictures weighed on the net.
+uint64_t picture_result_bytes(const JobResult& result, const TrafficMeter& meter);
+/// The same of each pixel that came.
 double bytes_per_received_pixel(const JobResult& result, const TrafficMeter& meter);
 
 /// For people who want a picture: what was written, time, rays, speed, losses. At most ten lines.

@@ -91,7 +91,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
   if (plan.policy == AssignmentPolicy::interleaved)
     j["sets"] = plan.sets == SetPattern::lattice ? "lattice" : "rows";
   j["wire"] = plan.wire == Wire::block ? "block" : "pixel";
-  const SubpolygonGrid& grid = pictures_of(plan).grid;
+  const SubpolygonGrid& grid = plan.pictures.grid;
   j["subpolygons"] = Json::Object{{"columns", grid.columns}, {"rows", grid.rows}};
 
   write_text_file(path, j.dump(1) + "\n");

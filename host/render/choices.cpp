@@ -82,7 +82,7 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   const SubpolygonGrid grid = make_grid(
       settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
       options.subpolygons_per_processor, options.least_side(), kMostSubpolygonBytes / pixel_bytes);
-  plan.phases = {PicturesPhase{std::move(frames), grid}};
+  plan.pictures = {std::move(frames), grid, {}};
   plan.sets = options.sets;
   plan.rotates = options.rotates;
   plan.ray_time_s = options.ray_time_s;

@@ -133,7 +133,7 @@ class Render {
     }
     farm_options.plan = make_plan(options_, settings, frames, farm_.transport.node_count());
     const JobPlan& plan = farm_options.plan;
-    const SubpolygonGrid& grid = pictures_of(plan).grid;
+    const SubpolygonGrid& grid = plan.pictures.grid;
     if (frames.empty()) {
       log_->info("nothing to do");
       return kComplete;
@@ -183,7 +183,7 @@ class Render {
     try {
       if (!options_.stats.empty())
         write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
-      if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, pictures_of(plan).grid);
+      if (!options_.cost_map.empty()) write_cost_map(options_.cost_map, result_, plan.pictures.grid);
     } catch (const std::runtime_error& e) {  // IoError, or a name that is no text
       log_->error(e.what());
       is_told = false;

@@ -17,7 +17,9 @@
 #include "common/image/image_file.h"
 #include "common/scene/settings_codec.h"
 #include "protocol/block_codec.h"
+#include "protocol/byte_codec.h"
 #include "protocol/job_plan.h"
+#include "protocol/phase_data.h"
 #include "tests/fuzz/block_seeds.h"
 #include "tests/fuzz/grid_seeds.h"
 #include "tests/read_in_pieces.h"
@@ -123,14 +125,19 @@ Bytes zeros(size_t n) {
 std::vector<std::string> message_seeds() {
   SubpolygonReport report{FrameNumber(3), SubpolygonId(7), {1, 2, 3, 4, 5}, 1000, true, 2, {6, 7, 8, 9, 10}};
   std::vector<std::string> seeds;
-  for (const Control& c : {Control(Hello{"machine", 7, "build"}), Control(Alive{}),
-                           Control(SelectStep{StepIndex(3)}), Control(OpenSteps{StepIndex(4)}),
-                           Control(SubpolygonDone{report}), Control(ItemFailed{ItemIndex(2), "no"}),
-                           Control(NodeFailed{"no"}), Control(EndProcess{9}), Control(Finish{true})})
+  for (const Control& c :
+       {Control(Hello{"machine", 7, "build"}), Control(Alive{}), Control(SelectStep{StepIndex(3)}),
+        Control(OpenSteps{StepIndex(4)}), Control(SubpolygonDone{report}),
+        Control(ItemFailed{1, ItemIndex(2), "no"}), Control(NodeFailed{"no"}), Control(EndProcess{9}),
+        Control(Finish{true}), Control(BeginPhase{3, PhaseKind::zones, 2, 1000, 7, 4096})})
     seeds.push_back(text_of(encode_control(c)));
   seeds.push_back(text_of(encode_display_polygon(3, {0, 0, 7, 7})));
   const Bytes pixels = compress_rgb8(zeros(3 * 8 * 8), 8, 8);
   seeds.push_back(text_of(encode_block(3, {report, true, pixels})));
+  seeds.push_back(text_of(encode_unit_range(3, {70'000, 140'000})));
+  const Bytes sums = *compress_bytes(zeros(640));
+  seeds.push_back(
+      text_of(encode_zone_result(3, {5, ItemIndex(7), {1, 2, 3, 4, 5}, 1000, {6, 7, 8, 9, 10}, true, sums})));
   Bytes load;
   const Bytes payload(128, std::byte{9});
   encode_load_data({64, payload}, load);
@@ -159,6 +166,16 @@ void decode_messages(const std::string& text) {
           [&] {
             ByteReader reader(bytes);
             while (!reader.at_end()) read_pixel(reader);
+          },
+          [&] { decode_unit_range(bytes); },
+          [&] {
+            const ZoneResult result = decode_zone_result(bytes);
+            if (result.is_compressed) decompress_bytes(result.bytes, 1 << 20);
+          },
+          [&] {
+            DataIntake intake;
+            intake.expect(64, 100);
+            intake.take(decode_load_data(bytes));
           },
           [&] {
             const BlockResult block = decode_block(bytes);
@@ -239,7 +256,7 @@ JobPlan make_plan() {
   plan.processors = 3;
   plan.sets = SetPattern::rows;
   plan.build = "build";
-  plan.phases = {PicturesPhase{{FrameNumber(1), FrameNumber(2), FrameNumber(3)}, make_grid(0, 0, 64, 48, 2)}};
+  plan.pictures = {{FrameNumber(1), FrameNumber(2), FrameNumber(3)}, make_grid(0, 0, 64, 48, 2), {}};
   plan.time_factors = {1, 2};
   plan.settings = zeros(20);
   return plan;
@@ -350,7 +367,7 @@ std::vector<Target> make_targets(const std::string& path) {
       {"plan",
        [](const std::string& bytes) {
          const JobPlan plan = decode_plan(bytes_of(bytes));
-         const PicturesPhase& pictures = pictures_of(plan);
+         const PicturesPhase& pictures = plan.pictures;
          const SubpolygonGrid& grid = pictures.grid;
          for (const SubpolygonId s : {SubpolygonId(0), SubpolygonId(grid.count() - 1)}) {
            grid.find(grid.polygon(s));

@@ -13,13 +13,12 @@ namespace rayfarm {
 namespace {
 
 /// Paints every pixel with its coordinates; throws where told to.
-class Painter : public PhaseWorker {
+class Painter : public PictureWorker {
  public:
-  Painter(const Phase& phase, std::function<bool(int frame, const DisplayPolygon&)> fails)
-      : phase_(std::get<PicturesPhase>(phase)), fails_(std::move(fails)) {}
-  ItemResult work(ItemIndex item, const std::function<void()>& pulse) override {
-    const int frame = phase_.number_of(item).value();
-    const DisplayPolygon p = phase_.polygon_of(item);
+  explicit Painter(std::function<bool(int frame, const DisplayPolygon&)> fails) : fails_(std::move(fails)) {}
+  void set_zones(std::span<const std::byte>) override { FAIL() << "there are none"; }
+  ItemResult work(FrameNumber number, const DisplayPolygon& p, const std::function<void()>& pulse) override {
+    const int frame = number.value();
     if (fails_(frame, p)) throw std::runtime_error("the tracer's own error");
     ItemResult painted;
     for (int y = p.top; y <= p.bottom; ++y)
@@ -31,7 +30,6 @@ class Painter : public PhaseWorker {
   }
 
  private:
-  const PicturesPhase& phase_;
   std::function<bool(int, const DisplayPolygon&)> fails_;
 };
 
@@ -47,9 +45,8 @@ RunNode painting_nodes(std::function<bool(int, const DisplayPolygon&)> fails) {
   return [fails](Transport& transport, NodeId node) {
     run_node(
         transport, node, [](const ProcessSign&) { return std::span<const std::byte>(); },
-        [&fails](const JobPlan&, const Phase& phase, std::span<const std::byte>) {
-          return std::make_unique<Painter>(phase, fails);
-        });
+        {[&fails](const JobPlan&, std::span<const std::byte>) { return std::make_unique<Painter>(fails); },
+         {}});
   };
 }
 
@@ -59,11 +56,11 @@ bool never(int, const DisplayPolygon&) {
 
 /// A node that can't load.
 void run_failing_node(Transport& transport, NodeId node) {
-  run_node(
-      transport, node, [](const ProcessSign&) { return std::span<const std::byte>(); },
-      [](const JobPlan&, const Phase&, std::span<const std::byte>) -> std::unique_ptr<PhaseWorker> {
-        throw std::runtime_error("no room");
-      });
+  run_node(transport, node, [](const ProcessSign&) { return std::span<const std::byte>(); },
+           {[](const JobPlan&, std::span<const std::byte>) -> std::unique_ptr<PictureWorker> {
+              throw std::runtime_error("no room");
+            },
+            {}});
 }
 
 FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wire wire,
@@ -77,9 +74,8 @@ FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wi
         [&ends, &run_one_node, i] { run_one_node(*ends[static_cast<size_t>(i)], NodeId(i)); });
   FarmHostOptions options;
   options.plan.build = build_identity();
-  PicturesPhase pictures{{}, make_grid(0, 0, 40, 30, nodes)};
-  for (const int frame : frames) pictures.frames.emplace_back(frame);
-  options.plan.phases = {pictures};
+  options.plan.pictures.grid = make_grid(0, 0, 40, 30, nodes);
+  for (const int frame : frames) options.plan.pictures.frames.emplace_back(frame);
   options.plan.policy = policy;
   options.plan.wire = wire;
   options.plan.processors = nodes;
@@ -130,8 +126,8 @@ TEST(Farm, NodesOfOneProcessRenderAScene) {
     const FarmRun run = run_farm(
         nodes, {1, 2, 3}, AssignmentPolicy::on_demand, Wire::block,
         [&](Transport& transport, NodeId node) {
-          run_node(
-              transport, node, [&](const ProcessSign&) { return compiled.block.bytes(); }, make_scene_worker);
+          run_node(transport, node, [&](const ProcessSign&) { return compiled.block.bytes(); },
+                   {make_scene_worker, {}});
         },
         encode_settings(settings));
     EXPECT_EQ(run.result.frames_failed(), 0u);

@@ -109,7 +109,7 @@ TEST(Interleaved, ANodeFindsWhatTheHostExpectsOfIt) {
       plan.processors = 3;
       plan.sets = pattern;
       plan.rotates = rotates;
-      const PicturesPhase phase{std::vector<FrameNumber>(20), make_grid(0, 0, 40, 24, 3)};
+      const PicturesPhase phase{std::vector<FrameNumber>(20), make_grid(0, 0, 40, 24, 3), {}};
       for (int p = 0; p < 3; ++p) {
         const auto set = interleaved_set(phase.grid, pattern, 3, p);
         for (FrameIndex f; f.value() < 20; ++f) {

@@ -3,6 +3,7 @@
 
 #include "protocol/block_codec.h"
 #include "protocol/build_identity.h"
+#include "protocol/byte_codec.h"
 #include "protocol/job_plan.h"
 #include "protocol/local_transport.h"
 #include "tests/unit/test_scene.h"
@@ -53,7 +54,7 @@ TEST(Messages, ThereAndBack) {
   const Control hello = decode_control(encode_control(Hello{"machine", 42, "build"}));
   EXPECT_EQ(std::get<Hello>(hello).machine, "machine");
   EXPECT_EQ(std::get<Hello>(hello).pid, 42u);
-  const Control failed = decode_control(encode_control(ItemFailed{ItemIndex(1ll << 40), "why"}));
+  const Control failed = decode_control(encode_control(ItemFailed{2, ItemIndex(1ll << 40), "why"}));
   EXPECT_EQ(std::get<ItemFailed>(failed).item, ItemIndex(1ll << 40));
   EXPECT_EQ(std::get<ItemFailed>(failed).problem, "why");
   Bytes data;
@@ -64,8 +65,7 @@ TEST(Messages, ThereAndBack) {
   EXPECT_THROW(encode_load_data({1, payload}, data), ProtocolError);
   JobPlan plan;
   plan.build = "b";
-  plan.phases = {
-      PicturesPhase{{FrameNumber(3), FrameNumber(1), FrameNumber(2)}, make_grid(0, 0, 640, 480, 3)}};
+  plan.pictures = {{FrameNumber(3), FrameNumber(1), FrameNumber(2)}, make_grid(0, 0, 640, 480, 3), {}};
   plan.wire = Wire::pixel;
   plan.processors = 3;
   plan.rotates = false;
@@ -74,14 +74,93 @@ TEST(Messages, ThereAndBack) {
   plan.time_factors = {1, 0.5, 2};
   plan.settings = payload;
   const JobPlan plan_back = decode_plan(decode_load_code(encode_load_code(encode_plan(plan))));
-  EXPECT_EQ(pictures_of(plan_back).frames, pictures_of(plan).frames);
+  EXPECT_EQ(plan_back.pictures.frames, plan.pictures.frames);
   EXPECT_FALSE(plan_back.rotates);
   EXPECT_EQ(plan_back.sets, SetPattern::rows);
   EXPECT_NEAR(plan_back.ray_time_s, 0.00025, 1e-12);
   EXPECT_EQ(plan_back.time_factors, plan.time_factors);
   EXPECT_EQ(plan_back.wire, Wire::pixel);
-  EXPECT_EQ(pictures_of(plan_back).grid.columns, pictures_of(plan).grid.columns);
+  EXPECT_EQ(plan_back.pictures.grid.columns, plan.pictures.grid.columns);
   EXPECT_EQ(plan_back.settings, payload);
+}
+
+TEST(Messages, OfZonesThereAndBack) {
+  const UnitRange range{70'000, 4'294'967'295};
+  const Bytes assignment = encode_unit_range(7, range);
+  EXPECT_EQ(assignment.size(), kDisplayPolygonBytes) << "the corners' places";
+  EXPECT_EQ(command_of(assignment), Command::load_display_polygon);
+  EXPECT_EQ(decode_unit_range(assignment), range);
+  EXPECT_THROW(decode_unit_range(encode_unit_range(7, {2, 1})), ProtocolError);
+  const BeginPhase begin{3, PhaseKind::zones, 12, 1ull << 32, 4096, 1ull << 34};
+  EXPECT_EQ(std::get<BeginPhase>(decode_control(encode_control(begin))), begin);
+  for (BeginPhase bad : {BeginPhase{0, PhaseKind::zones, 0, 0, 1, 0},
+                         BeginPhase{0, PhaseKind::zones, 0, 1, 0, 0}, BeginPhase{0, PhaseKind{2}, 0, 1, 1, 0},
+                         BeginPhase{0, PhaseKind::zones, 0, 1, 1, kMostPhaseDataBytes + 1}})
+    EXPECT_THROW(decode_control(encode_control(bad)), ProtocolError);
+  const Bytes sums(40, std::byte{5});
+  const Bytes message =
+      encode_zone_result(2, {9, ItemIndex(1ll << 33), {1, 2, 3, 4, 1ull << 50}, 77, {6}, true, sums});
+  EXPECT_TRUE(is_zone_result(message));
+  const ZoneResult back = decode_zone_result(message);
+  EXPECT_EQ(back.phase, 9u);
+  EXPECT_EQ(back.item, ItemIndex(1ll << 33));
+  EXPECT_EQ(back.rays[4], 1ull << 50);
+  EXPECT_EQ(back.busy_us, 77u);
+  EXPECT_EQ(back.ray_tallies[0], 6u);
+  EXPECT_TRUE(back.is_compressed);
+  EXPECT_EQ(Bytes(back.bytes.begin(), back.bytes.end()), sums);
+  EXPECT_THROW(decode_block(message), ProtocolError);
+  const Bytes block = encode_block(2, {});
+  EXPECT_FALSE(is_zone_result(block));
+  EXPECT_THROW(decode_zone_result(block), ProtocolError);
+  Bytes out;
+  const Bytes words(128);
+  for (const uint64_t border : {kStageAddress, kSolutionAddress, kEndOfAddresses}) {
+    encode_load_data({border - 128, words}, out);
+    EXPECT_EQ(decode_load_data(out).address, border - 128);
+    EXPECT_THROW(encode_load_data({border - 64, words}, out), ProtocolError) << "on both sides";
+  }
+}
+
+TEST(Phases, AreToldInFullAndChecked) {
+  JobPlan plan;
+  plan.pictures = {{FrameNumber(3), FrameNumber(1), FrameNumber(2)}, make_grid(0, 0, 64, 48, 3), {}};
+  const auto pictures = std::get<PicturesPhase>(phase_of(plan, {0, PhaseKind::pictures, 1, 2, 1, 0}));
+  EXPECT_EQ(pictures.frames, (std::vector{FrameNumber(1), FrameNumber(2)}));
+  EXPECT_EQ(pictures.first, FrameIndex(1));
+  EXPECT_EQ(beginning_of(pictures, 7, 64), (BeginPhase{7, PhaseKind::pictures, 1, 2, 1, 64}));
+  for (const BeginPhase& bad :
+       {BeginPhase{0, PhaseKind::pictures, 1, 3, 1, 0}, BeginPhase{0, PhaseKind::pictures, -1, 1, 1, 0},
+        BeginPhase{0, PhaseKind::zones, 1, (1ull << 32) + 1, 1, 0}})
+    EXPECT_THROW(phase_of(plan, bad), ProtocolError);
+  // Sets go on moving from one group of frames to the next.
+  plan.processors = 3;
+  for (SubpolygonId s; s.value() < pictures.grid.count(); ++s)
+    EXPECT_EQ(owner_of(plan, pictures, pictures.item_of(FrameIndex(0), s)),
+              owner_of(plan, plan.pictures, plan.pictures.item_of(FrameIndex(1), s)));
+  const auto zones = std::get<ZonePhase>(phase_of(plan, {1, PhaseKind::zones, 3, 1ull << 32, 1000, 0}));
+  EXPECT_EQ(zones.items(), 4'294'968);
+  EXPECT_EQ(zones.units_of(ItemIndex(0)), (UnitRange{0, 999}));
+  EXPECT_EQ(zones.units_of(ItemIndex(4'294'967)), (UnitRange{4'294'967'000, 4'294'967'295}));
+  for (const ItemIndex item : {ItemIndex(0), ItemIndex(5), ItemIndex(4'294'967)})
+    EXPECT_EQ(zones.find(zones.units_of(item)), item);
+  EXPECT_EQ(zones.find({0, 998}), std::nullopt);
+  EXPECT_EQ(zones.find({1, 1000}), std::nullopt);
+  EXPECT_EQ(std::get<ZonePhase>(phase_of(plan, {1, PhaseKind::zones, 3, 5, ~0ull, 0})).items(), 1);
+}
+
+TEST(ByteCodec, LosslessAndBounded) {
+  const Bytes zeros(100'000);
+  const Bytes small = compress_bytes(zeros).value();
+  EXPECT_LT(small.size(), 100u);
+  EXPECT_EQ(decompress_bytes(small, zeros.size()), zeros);
+  EXPECT_THROW(decompress_bytes(small, zeros.size() - 1), ProtocolError);
+  EXPECT_THROW(decompress_bytes(std::span(small).first(small.size() - 1), zeros.size()), ProtocolError);
+  Bytes noise(1000);
+  std::mt19937 random(3);
+  for (std::byte& b : noise) b = static_cast<std::byte>(random());
+  EXPECT_FALSE(compress_bytes(noise));
+  EXPECT_FALSE(compress_bytes({}));
 }
 
 TEST(Messages, RandomBytesAreRefusedNeverReadBeyond) {
@@ -102,6 +181,9 @@ TEST(Messages, RandomBytesAreRefusedNeverReadBeyond) {
     attempt([&] { decode_load_data(bytes); });
     attempt([&] { decode_plan(bytes); });
     attempt([&] { decompress_rgb8(bytes, 4, 3); });
+    attempt([&] { decode_unit_range(bytes); });
+    attempt([&] { decode_zone_result(bytes); });
+    attempt([&] { decompress_bytes(bytes, 1 << 20); });
   }
 }
 
@@ -166,8 +248,8 @@ TEST(Grid, SubpolygonsAreAsSmallAsAPixel_4_4_4_1) {
   EXPECT_EQ(least_side_of(Wire::pixel), 1);
   EXPECT_EQ(least_side_of(Wire::block), 8);
   JobPlan plan;  // the grid travels in the plan
-  plan.phases = {PicturesPhase{{FrameNumber(1)}, pixels}};
-  EXPECT_EQ(pictures_of(decode_plan(encode_plan(plan))).grid.count(), 1200);
+  plan.pictures = {{FrameNumber(1)}, pixels, {}};
+  EXPECT_EQ(decode_plan(encode_plan(plan)).pictures.grid.count(), 1200);
 }
 
 TEST(Grid, NoSubpolygonWeighsMoreThanAMessageMay) {

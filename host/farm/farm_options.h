@@ -1,0 +1,51 @@
+#pragma once
+// What a farm is told about its job.
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/image/image_file.h"
+#include "common/lighting/zones/zone_solver.h"
+#include "host/farm/progress.h"
+#include "protocol/job_plan.h"
+#include "protocol/liveness.h"
+
+namespace rayfarm {
+
+/// Frames that follow each other and share a pose: nothing moves between them but the camera.
+struct FrameGroup {
+  FrameIndex first;
+  int count = 0;
+};
+
+/// Where pictures take light from zones: one solution for each group of frames, known by its first frame.
+struct ZonesOfJob {
+  /// Empty: pictures need none.
+  std::function<std::unique_ptr<ZoneSolver>(FrameNumber frame)> make_solver;
+  /// A solution that is there already; may be empty.
+  std::function<std::optional<Bytes>(FrameNumber frame)> find;
+  /// Given each that was found by work; may be empty.
+  std::function<void(FrameNumber frame, std::span<const std::byte> solution)> keep;
+};
+
+struct FarmHostOptions {
+  JobPlan plan;
+  std::vector<FrameGroup> groups;  ///< all frames of the plan's pictures, in order; empty: they are one group
+  ZonesOfJob zones;
+  Image image;                                    ///< size, window and format of every frame; no pixels
+  std::map<std::string, std::string> attributes;  ///< of every file
+  std::vector<std::string> files;                 ///< one per frame of the pictures
+  double node_timeout_s = liveness::kNodeTimeout_s;
+  int window_frames = 3;           ///< in memory at a time
+  bool keeps_costs = false;        ///< what each subpolygon took, in the result
+  std::vector<ProcessSign> signs;  ///< of the nodes, in order; empty: none can be lost alone
+  ProgressStyle progress = ProgressStyle::automatic;
+};
+
+/// Tells people what happens; the argument is one line of text.
+using Tell = std::function<void(const std::string&)>;
+
+}  // namespace rayfarm

@@ -1,0 +1,229 @@
+#include "host/farm/pictures_host.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "protocol/block_codec.h"
+
+namespace rayfarm {
+
+PicturesHost::PicturesHost(Transport& transport, const FarmHostOptions& options, JobResult& result,
+                           const Tell& tell, Assignment& assignment)
+    : transport_(transport),
+      options_(options),
+      result_(result),
+      tell_(tell),
+      assignment_(assignment),
+      phase_(PicturesPhase{{}, options.plan.pictures.grid, {}}),
+      frames_(options.plan.pictures.frames.size()),
+      pixels_of_node_(static_cast<size_t>(options.plan.processors) + 1),
+      step_of_node_(pixels_of_node_.size()) {
+  const PicturesPhase& all = options.plan.pictures;
+  for (FrameIndex i; i.value() < all.steps(); ++i) {
+    FrameResult frame;
+    frame.frame = all.frames[i.place()];
+    index_of_frame_[frame.frame] = i;
+    frame.file = options.files[i.place()];
+    frame.traced_by.assign(static_cast<size_t>(all.items_per_step()), NodeId());
+    if (options.keeps_costs) frame.costs.resize(frame.traced_by.size());
+    result_.frames.push_back(frame);
+  }
+}
+
+void PicturesHost::begin(const FrameGroup& group) {
+  phase_ = phase_of(options_.plan,
+                    {0, PhaseKind::pictures, group.first.value(), static_cast<uint64_t>(group.count), 1, 0});
+  is_at_work_ = true;
+  std::fill(step_of_node_.begin(), step_of_node_.end(), std::nullopt);
+}
+
+PhaseWork PicturesHost::work() const {
+  PhaseWork work;
+  work.steps = pictures().steps();
+  work.items_per_step = pictures().items_per_step();
+  work.window_steps = options_.window_frames;
+  if (options_.plan.policy == AssignmentPolicy::interleaved)
+    work.owner_of = [this](ItemIndex item) { return owner_of(options_.plan, pictures(), item); };
+  return work;
+}
+
+void PicturesHost::assign(const AssignItem& assign) {
+  const StepIndex step = pictures().frame_of(assign.item);
+  std::optional<StepIndex>& selected = step_of_node_[assign.node.place()];
+  if (selected != step) transport_.send(assign.node, SelectStep{step});
+  selected = step;
+  transport_.send(assign.node, Channel::command,
+                  encode_display_polygon(processor_of(assign.node), pictures().polygon_of(assign.item)));
+}
+
+std::string PicturesHost::name_of(ItemIndex item) const {
+  return fmt::format("subpolygon {} of frame {}", pictures().subpolygon_of(item).value(),
+                     pictures().number_of(item).value());
+}
+
+void PicturesHost::complete(StepIndex step, double) {
+  const FrameIndex frame = of_job(step);
+  const size_t i = frame.place();
+  FrameWriter::Job job{frame, options_.files[i], options_.image, options_.attributes};
+  job.image.pixels = std::move(frames_[i].pixels);
+  job.attributes["rayfarm/frame"] = fmt::format("{}", result_.frames[i].frame.value());
+  job.attributes["rayfarm/rays"] = fmt::format("{}", result_.frames[i].rays.total());
+  writer_.submit(std::move(job));
+}
+
+void PicturesHost::fail(const StepFailed& failed, double now) {
+  const size_t i = of_job(failed.step).place();
+  FrameResult& frame = result_.frames[i];
+  frames_[i].pixels = {};
+  frame.problem = fmt::format("a subpolygon failed three times: {}", failed.problem);
+  tell_(fmt::format("frame {} failed: {}", frame.frame.value(), frame.problem));
+  assignment_.release(failed.step, now);
+}
+
+void PicturesHost::forget(NodeId node) {
+  pixels_of_node_[node.place()] = {};
+  step_of_node_[node.place()].reset();
+}
+
+void PicturesHost::check(const SubpolygonReport& report) const {
+  if (!index_of_frame_.contains(report.frame)) throw ProtocolError("a frame that was not asked for");
+  if (report.subpolygon < SubpolygonId() || report.subpolygon.value() >= pictures().items_per_step())
+    throw ProtocolError("a subpolygon that does not exist");
+}
+
+std::optional<ItemIndex> PicturesHost::item_of(const SubpolygonReport& report) const {
+  const int step = index_of_frame_.at(report.frame).value() - pictures().first.value();
+  if (step < 0 || step >= pictures().steps()) return std::nullopt;
+  return pictures().item_of(FrameIndex(step), report.subpolygon);
+}
+
+void PicturesHost::receive_block(NodeId node, std::span<const std::byte> bytes, double now) {
+  const BlockResult block = decode_block(bytes);
+  if (!block.is_compressed) {
+    keep_result(node, block.report, block.pixels, block.pixels.size(), now);
+    return;
+  }
+  check(block.report);
+  const DisplayPolygon p = pictures().grid.polygon(block.report.subpolygon);
+  keep_result(node, block.report, decompress_rgb8(block.pixels, p.right - p.left + 1, p.bottom - p.top + 1),
+              block.pixels.size(), now);
+}
+
+void PicturesHost::receive_pixels(NodeId node, std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  auto& pixels = pixels_of_node_[node.place()];
+  if (pixels.size() > static_cast<size_t>(options_.image.window.area()))
+    throw ProtocolError("more pixels than the image has");
+  while (!reader.at_end()) pixels.push_back(read_pixel(reader));
+}
+
+void PicturesHost::end_of_pixels(NodeId node, const SubpolygonReport& report, double now) {
+  const auto pixels = std::exchange(pixels_of_node_[node.place()], {});
+  check(report);
+  const DisplayPolygon p = pictures().grid.polygon(report.subpolygon);
+  const auto width = static_cast<size_t>(p.right - p.left + 1),
+             height = static_cast<size_t>(p.bottom - p.top + 1);
+  if (pixels.size() != width * height) throw ProtocolError("a subpolygon with pixels missing");
+  std::vector<std::byte> block(3 * pixels.size());
+  std::vector<bool> seen(pixels.size());
+  for (const PixelResult& pixel : pixels) {
+    if (pixel.x < p.left || pixel.x > p.right || pixel.y < p.top || pixel.y > p.bottom)
+      throw ProtocolError("a pixel outside of its subpolygon");
+    const size_t i = static_cast<size_t>(pixel.y - p.top) * width + static_cast<size_t>(pixel.x - p.left);
+    if (seen[i]) throw ProtocolError("a pixel that came twice");
+    seen[i] = true;
+    for (size_t c = 0; c < 3; ++c) block[3 * i + c] = static_cast<std::byte>(pixel.rgb[c]);
+  }
+  keep_result(node, report, block, kPixelBytes * pixels.size(), now);
+}
+
+void PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
+                               size_t bytes, double now) {
+  check(report);
+  const DisplayPolygon p = pictures().grid.polygon(report.subpolygon);
+  const PixelRect& window = options_.image.window;
+  const size_t pixel_bytes = options_.image.layout.bytes;
+  const auto width = static_cast<size_t>(p.right - p.left + 1),
+             height = static_cast<size_t>(p.bottom - p.top + 1);
+  if (pixels.size() != width * height * pixel_bytes)
+    throw ProtocolError("a block of another size than its subpolygon");
+
+  const RayCounts rays{report.rays, report.ray_tallies};
+  NodeResult& node_result = result_.node(node);
+  ++node_result.subpolygons;
+  node_result.rays += rays.total();
+  node_result.busy_s += static_cast<double>(report.busy_us) * 1e-6;
+  result_.pixels_received += width * height;
+  const std::optional<ItemIndex> item = is_at_work_ ? item_of(report) : std::nullopt;
+  if (!item || !assignment_.accept(node, *item, now)) {
+    ++result_.duplicates;
+    return;
+  }
+  FrameBuffer& frame = frames_[index_of_frame_.at(report.frame).place()];
+  if (!frame.is_begun) {
+    frame.pixels.resize(static_cast<size_t>(window.area()) * pixel_bytes);
+    frame.is_begun = true;
+  }
+  const size_t row_bytes = static_cast<size_t>(window.width()) * pixel_bytes;
+  for (size_t y = 0; y < height; ++y)
+    std::memcpy(frame.pixels.data() + (static_cast<size_t>(p.top - window.y0) + y) * row_bytes +
+                    static_cast<size_t>(p.left - window.x0) * pixel_bytes,
+                pixels.data() + y * width * pixel_bytes, width * pixel_bytes);
+  FrameResult& frame_result = result_.frames[index_of_frame_.at(report.frame).place()];
+  frame_result.traced_by[report.subpolygon.place()] = node;
+  if (options_.keeps_costs)
+    frame_result.costs[report.subpolygon.place()] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
+  frame_result.sees_anything |= report.sees_anything;
+  frame_result.not_finite += report.not_finite;
+  frame_result.rays += rays;
+  result_.rays += rays;
+  result_.pixels_kept += width * height;
+}
+
+void PicturesHost::tell_what_is_odd(const FrameResult& frame) const {
+  if (frame.not_finite > 0)
+    tell_(
+        fmt::format("frame {}: {} pixels are infinite or not a number; the scene asks for light beyond all "
+                    "bounds",
+                    frame.frame.value(), frame.not_finite));
+  if (!frame.is_black && frame.sees_anything) return;
+  const Image& image = options_.image;
+  if (!frame.sees_anything && image.window != PixelRect{0, 0, image.width_px, image.height_px})
+    tell_(fmt::format("frame {}: no object is seen in the part that --crop asks for", frame.frame.value()));
+  else if (!frame.sees_anything)
+    tell_(
+        fmt::format("frame {}: the camera sees nothing of the scene; check the view's location and "
+                    "direction (rayfarm info prints the scene's bounds)",
+                    frame.frame.value()));
+  else
+    tell_(
+        fmt::format("frame {}: every pixel is black: no light reaches what the camera sees; rayfarm check "
+                    "names lights that can't shine",
+                    frame.frame.value()));
+}
+
+void PicturesHost::take_written(double now) {
+  while (const auto written = writer_.try_take()) {
+    FrameResult& frame = result_.frames[written->frame.place()];
+    frame.problem = written->problem;
+    frame.sha256 = written->sha256;
+    frame.is_written = written->problem.empty();
+    frame.is_black = written->is_black;
+    result_.times.write_s += written->seconds;
+    if (!written->problem.empty())
+      tell_(fmt::format("frame {} failed: {}", frame.frame.value(), written->problem));
+    tell_what_is_odd(frame);
+    // None of an earlier phase is left: that was over when all were written.
+    assignment_.release(StepIndex(written->frame.value() - pictures().first.value()), now);
+  }
+}
+
+void PicturesHost::finish(double now) {
+  writer_.finish();
+  take_written(now);
+}
+
+}  // namespace rayfarm

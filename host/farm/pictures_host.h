@@ -1,0 +1,75 @@
+#pragma once
+// Pictures: pixels go into frame buffers, and whole frames to their files.
+#include <map>
+#include <optional>
+
+#include "host/farm/farm_options.h"
+#include "host/farm/frame_writer.h"
+#include "host/farm/job_result.h"
+#include "host/farm/phase_host.h"
+
+namespace rayfarm {
+
+class PicturesHost : public PhaseHost {
+ public:
+  /// Fills result.frames with all frames of the job.
+  PicturesHost(Transport& transport, const FarmHostOptions& options, JobResult& result, const Tell& tell,
+               Assignment& assignment);
+
+  /// These frames are at work until `end`.
+  void begin(const FrameGroup& group);
+  void end() { is_at_work_ = false; }
+
+  /// These throw ProtocolError if what came means nothing; what is not of the phase at work is dropped.
+  void receive_block(NodeId node, std::span<const std::byte> bytes, double now);
+  void receive_pixels(NodeId node, std::span<const std::byte> bytes);
+  void end_of_pixels(NodeId node, const SubpolygonReport& report, double now);
+
+  /// Takes note of frames that were written.
+  void take_written(double now);
+  /// Waits until all frames that are whole are written.
+  void finish(double now);
+
+  const Phase& phase() const override { return phase_; }
+  PhaseWork work() const override;
+  void assign(const AssignItem& assign) override;
+  std::string name_of(ItemIndex item) const override;
+  void complete(StepIndex step, double now) override;
+  void fail(const StepFailed& failed, double now) override;
+  void forget(NodeId node) override;
+
+ private:
+  struct FrameBuffer {
+    std::vector<std::byte> pixels;
+    bool is_begun = false;
+  };
+
+  const PicturesPhase& pictures() const { return std::get<PicturesPhase>(phase_); }
+  /// Among the job's frames.
+  FrameIndex of_job(FrameIndex of_phase) const {
+    return FrameIndex(pictures().first.value() + of_phase.value());
+  }
+  /// Throws ProtocolError if the job has no such subpolygon.
+  void check(const SubpolygonReport& report) const;
+  /// Nothing if it is not of the phase at work.
+  std::optional<ItemIndex> item_of(const SubpolygonReport& report) const;
+  /// `bytes`: of the pixels on the net.
+  void keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
+                   size_t bytes, double now);
+  void tell_what_is_odd(const FrameResult& frame) const;
+
+  Transport& transport_;
+  const FarmHostOptions& options_;
+  JobResult& result_;
+  const Tell& tell_;
+  Assignment& assignment_;
+  Phase phase_;
+  bool is_at_work_ = false;
+  FrameWriter writer_;
+  std::map<FrameNumber, FrameIndex> index_of_frame_;      ///< among the job's
+  std::vector<FrameBuffer> frames_;                       ///< of the job
+  std::vector<std::vector<PixelResult>> pixels_of_node_;  ///< pixel wire: of the subpolygon being returned
+  std::vector<std::optional<StepIndex>> step_of_node_;    ///< the step last selected at each node
+};
+
+}  // namespace rayfarm
