@@ -345,7 +345,7 @@ void Renderer::set_zones(int frame, std::span<const std::byte> solution) {
   zones_.clear();
   zone_scene_ = std::make_unique<ZoneScene>(scene_, settings_, frame);
   const std::vector<ZonePassSolution> solved =
-      decode_zone_solution(solution, zone_scene_->passes(), zone_scene_->map().slot_count());
+      decode_zone_solution(solution, zone_scene_->passes(), zone_scene_->slot_count());
   for (size_t pass = 0; pass < solved.size(); ++pass)
     zones_.emplace_back(*zone_scene_, pass, solved[pass], settings_.zones.view);
 }

@@ -39,7 +39,7 @@ struct SolvedZones {
         settings(with),
         bytes(solve_zones(compiled.scene, settings)),
         zones(compiled.scene, settings, 0),
-        solution(std::move(decode_zone_solution(bytes, 1, zones.map().slot_count())[0])) {}
+        solution(std::move(decode_zone_solution(bytes, 1, zones.slot_count())[0])) {}
 
   /// Reflected power per area of a side of a grid's cell.
   Color radiosity(const ZoneGrid& grid, uint32_t cell = 0, uint32_t side = 0) {

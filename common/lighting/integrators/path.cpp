@@ -83,7 +83,13 @@ class PathTracer {
     shadows_.rays.clear();
     LaneSet together = 0, go_on = 0, met = 0;
     if (is_in_lanes_) met = eval_surfaces(scene_, pose_, lanes_.rays, hits.data(), lanes_.surfaces);
-    const LaneSet scattered = has_media_ ? visit_media(hits.data(), go_on) : 0;
+    LaneSet scattered = 0;
+    if (has_media_) {
+      if (context_.zones)
+        read_media(hits.data());
+      else
+        scattered = visit_media(hits.data(), go_on);
+    }
     if (is_in_lanes_) {
       if (context_.zones)
         for_each_lane(met, [&](size_t lane) {
@@ -100,15 +106,37 @@ class PathTracer {
     for (size_t lane = 0; lane < count; ++lane)
       if (!((together | scattered) >> lane & 1) && visit_alone(lane, hits[lane])) go_on |= LaneSet{1} << lane;
     lanes_.keep(go_on);
-    if (shadows_.rays.empty()) return;
-    counts_[RayKind::shadow] += shadows_.rays.size;
-    const uint32_t blocked = any_hits(scene_, pose_, shadows_.rays);
-    if (has_media_) weaken_in_media(stage(), blocked, shadows_);
-    for (size_t i = 0; i < shadows_.rays.size; ++i)
-      if (!(blocked >> i & 1)) colors_[shadows_.places[i]] += lane_of(shadows_.colors, i);
+    add_unblocked(shadows_);
+  }
+
+  /// Adds what shadow rays bring.
+  void add_unblocked(ShadowLanes& shadows) {
+    if (shadows.rays.empty()) return;
+    counts_[RayKind::shadow] += shadows.rays.size;
+    const uint32_t blocked = any_hits(scene_, pose_, shadows.rays);
+    if (has_media_) weaken_in_media(stage(), blocked, shadows);
+    for (size_t i = 0; i < shadows.rays.size; ++i)
+      if (!(blocked >> i & 1)) colors_[shadows.places[i]] += lane_of(shadows.colors, i);
   }
 
   PathStage stage() const { return {context_, ids_, depth_, depth_ >= kFirstRoulette}; }
+
+  /// Adds what zones of media keep along the rays, and weakens what is behind them. In the view `direct`
+  /// light straight from sources is asked for at one point of each ray.
+  void read_media(const Hit* hits) {
+    ShadowLanes shadows;
+    for (size_t lane = 0; lane < lanes_.rays.size; ++lane) {
+      const Ray ray{lanes_.rays.origin(lane), lanes_.rays.direction(lane), hits[lane].t};
+      const Color throughput = lane_of(lanes_.throughput, lane);
+      colors_[lanes_.places[lane]] += throughput * context_.zones->radiance_of_media(ray);
+      if (context_.zones->view() == ZoneView::direct) {
+        const MediumEvent event = walk_in_media(stage(), lane, hits[lane].t, lanes_);
+        if (event.is_scattered()) light_in_media(stage(), lane, event, lanes_, shadows);
+      }
+      set_lane(lanes_.throughput, lane, throughput * transmittance(scene_, ray));
+    }
+    add_unblocked(shadows);
+  }
 
   /// Returns the lanes that media scatter before they meet what `hits` says; those whose paths go on join
   /// `go_on`. Scattering counts as a diffuse reflection.

@@ -7,10 +7,11 @@
 namespace rayfarm {
 namespace {
 
-/// A shadow ray from a point in a medium. `direction`: unit, in which the path came.
+/// A shadow ray from a point in a medium. `direction`: unit, in which the path came. `is_alone`: the path
+/// will not find the source itself.
 void add_direct_light(const PathStage& stage, const SampleId& id, const ParticipatingMedium& medium,
                       const Vec3& p, const Vec3& direction, const Color& throughput, uint32_t place,
-                      ShadowLanes& shadows) {
+                      bool is_alone, ShadowLanes& shadows) {
   const Scene& scene = stage.context.scene;
   if (scene.lights.empty()) return;
   const auto point = [&](dimension::Bounce use) {
@@ -23,7 +24,7 @@ void add_direct_light(const PathStage& stage, const SampleId& id, const Particip
   if (sample.incident == Color(0)) return;
   const double phase = henyey_greenstein_pdf(glm::dot(direction, sample.to_light), medium.asymmetry);
   const double probability = choice_probability(scene, source);
-  const double weight = sample.pdf > 0 ? balance(sample.pdf * probability, phase) : 1;
+  const double weight = sample.pdf > 0 && !is_alone ? balance(sample.pdf * probability, phase) : 1;
   shadows.push_back(p, sample.target - p, (phase * weight / probability) * (throughput * sample.incident),
                     place);
 }
@@ -41,6 +42,14 @@ MediumEvent walk_in_media(const PathStage& stage, size_t lane, double t_max, Pat
   return event;
 }
 
+void light_in_media(const PathStage& stage, size_t lane, const MediumEvent& event, const PathLanes& paths,
+                    ShadowLanes& shadows) {
+  const Vec3 origin = paths.rays.origin(lane), direction = paths.rays.direction(lane);
+  add_direct_light(stage, stage.ids[paths.places[lane]], stage.context.scene.media[event.medium],
+                   origin + event.t * direction, normalized(direction), lane_of(paths.throughput, lane),
+                   paths.places[lane], true, shadows);
+}
+
 bool scatter_in_media(const PathStage& stage, size_t lane, const MediumEvent& event, PathLanes& paths,
                       ShadowLanes& shadows) {
   const FrameContext& context = stage.context;
@@ -49,7 +58,7 @@ bool scatter_in_media(const PathStage& stage, size_t lane, const MediumEvent& ev
   const Vec3 p = paths.rays.origin(lane) + event.t * paths.rays.direction(lane),
              direction = normalized(paths.rays.direction(lane));
   Color throughput = lane_of(paths.throughput, lane);
-  add_direct_light(stage, id, medium, p, direction, throughput, paths.places[lane], shadows);
+  add_direct_light(stage, id, medium, p, direction, throughput, paths.places[lane], false, shadows);
 
   const auto point = [&](dimension::Bounce use) {
     return context.tables.sampler.point(id, dimension::of_bounce(stage.depth, use));

@@ -9,6 +9,10 @@ namespace rayfarm {
 /// Follows a lane's ray through media as far as `t_max`. Its throughput is weighed by what happens there.
 MediumEvent walk_in_media(const PathStage& stage, size_t lane, double t_max, PathLanes& paths);
 
+/// A shadow ray from where a path is scattered to one of the sources.
+void light_in_media(const PathStage& stage, size_t lane, const MediumEvent& event, const PathLanes& paths,
+                    ShadowLanes& shadows);
+
 /// The step of a path that is scattered: a shadow ray to one of the sources, and the direction in which the
 /// path goes on, by the medium's phase function. False: the path ends.
 bool scatter_in_media(const PathStage& stage, size_t lane, const MediumEvent& event, PathLanes& paths,

@@ -73,6 +73,10 @@ class PowerSums {
     if (!page) page = std::make_unique<Page>();
     return (*page)[slot % kPage];
   }
+  Power at(uint64_t slot) const {
+    const std::unique_ptr<Page>& page = pages_[slot / kPage];
+    return page ? (*page)[slot % kPage] : Power();
+  }
   /// Calls visit(slot, power) for all that are not 0, as slots rise.
   template <typename Visit>
   void for_each(Visit visit) const {

@@ -1,6 +1,7 @@
 #include "common/lighting/zones/power_rays.h"
 
 #include "common/lighting/textured.h"
+#include "common/sampling/warps.h"
 
 namespace rayfarm {
 
@@ -42,7 +43,58 @@ void PowerTracer::step() {
   rays_ = left;
 }
 
+void PowerTracer::cross_media(PowerRay& ray, double t) {
+  const Ray way{ray.ray.origin, ray.ray.direction, t};
+  for (const MediumSegment& segment : media_along(scene_, way)) {
+    const ParticipatingMedium& medium = scene_.media[segment.medium];
+    const auto lose = [&](double t0, double t1) {
+      const Color depth = density_along(scene_, way, {segment.medium, t0, t1}) * medium.extinction();
+      const Power before = ray.power;
+      ray.power = scaled(ray.power, attenuation(depth));
+      Power lost = before;
+      lost -= ray.power;
+      tally_.absorbed += lost;
+      return lost;
+    };
+    const MediumGrid* const grid = media_.find(segment.medium);
+    if (!grid) {
+      lose(segment.t0, segment.t1);
+      continue;
+    }
+    GridWalk piece(way, segment.t0, segment.t1, medium.box.lo, grid->step, grid->count);
+    while (piece.next() && !ray.power.is_zero()) {
+      const Power kept = scaled(lose(piece.t0(), piece.t1()), albedo_of(medium));
+      if (!kept.is_zero()) keep_in_medium(ray, *grid, grid->index(piece.cell()), kept);
+    }
+  }
+}
+
+void PowerTracer::keep_in_medium(const PowerRay& ray, const MediumGrid& grid, uint64_t cell,
+                                 const Power& power) {
+  const uint64_t first = map_.slot_count() + grid.slot(cell);
+  const auto keep = [&](uint64_t slot, const Power& part) {
+    tally_.kept[slot] += part;
+    tally_.absorbed -= part;
+    if (ray.is_direct) tally_.direct[slot] += part;
+  };
+  if (grid.directions.rows == 0) {
+    keep(first, power);
+    return;
+  }
+  const Power part = scaled(power, Color(1.0 / kSpreadRays));
+  const Frame frame(normalized(ray.ray.direction));
+  for (uint32_t i = 0; i < kSpreadRays; ++i) {
+    // Each cell that a ray crosses has numbers of its own.
+    const auto u =
+        random_pair(settings_.seed, sampler_.frame(), ray.id,
+                    dimension::of_mix(static_cast<uint32_t>(mix_bits(cell * kSpreadRays + i) >> 41)));
+    const Vec3 local = sample_henyey_greenstein({u[0], u[1]}, scene_.media[grid.medium].asymmetry);
+    keep(first + grid.directions.cell(frame.to_world(local)), part);
+  }
+}
+
 bool PowerTracer::meet(PowerRay& ray, const Hit& hit) {
+  if (!scene_.media.empty()) cross_media(ray, hit.t);
   if (!hit.is_hit()) {
     tally_.escaped += ray.power;
     return false;

@@ -4,6 +4,7 @@
 #include "common/lighting/ray_counts.h"
 #include "common/lighting/zones/kept_light.h"
 #include "common/lighting/zones/power.h"
+#include "common/lighting/zones/zone_scene.h"
 #include "common/sampling/sampler.h"
 #include "common/scene/render_settings.h"
 
@@ -29,10 +30,11 @@ struct PowerRay {
 class PowerTracer {
  public:
   /// All must outlive it. `scene`: in a pass's colours.
-  PowerTracer(const Scene& scene, const ZoneMap& map, const ZoneColors& colors, const Sampler& sampler,
+  PowerTracer(const Scene& scene, const ZoneScene& zones, const ZoneColors& colors, const Sampler& sampler,
               const RenderSettings& settings, PowerTally& tally, RayCounts& counts)
       : scene_(scene),
-        map_(map),
+        map_(zones.map()),
+        media_(zones.media()),
         colors_(colors),
         sampler_(sampler),
         settings_(settings),
@@ -47,12 +49,17 @@ class PowerTracer {
  private:
   void step();
   bool meet(PowerRay& ray, const Hit& hit);
+  /// Leaves with the zones of media what they take out of a ray on its way to `t`.
+  void cross_media(PowerRay& ray, double t);
+  /// What a cell scatters of light in the ray's direction.
+  void keep_in_medium(const PowerRay& ray, const MediumGrid& grid, uint64_t cell, const Power& power);
   /// False: it ends.
   bool follow(PowerRay& ray, const Surface& surface, const Interaction& at, const Material& material,
               const Lobes& followed, Power& left);
 
   const Scene& scene_;
   const ZoneMap& map_;
+  const MediumZones& media_;
   const ZoneColors& colors_;
   const Sampler& sampler_;
   const RenderSettings& settings_;

@@ -26,6 +26,9 @@ ZonePoint PrimaryLight::point(const ZoneGrid& grid, uint32_t cell, uint32_t side
 
 namespace {
 
+/// Of directions from all round.
+constexpr double kSpherePdf = 0.25 / std::numbers::pi;
+
 SampleId next(const SampleId& first, uint32_t i) {
   return {first.x, first.y, first.sample + i};
 }
@@ -58,7 +61,10 @@ void PrimaryLight::ask_sources(const SampleId& first, double share, RayCounts& c
   counts[RayKind::shadow] += rays.size;
   const uint32_t blocked = any_hits(scene_, map_.pose(), rays);
   for (size_t i = 0; i < rays.size; ++i)
-    if (!(blocked >> i & 1)) asked.arrivals.push_back(answers[i]);
+    if (!(blocked >> i & 1)) {
+      Answer& answer = asked.arrivals.push_back(answers[i]);
+      answer.arrival.power *= left_by_media(rays[i]);
+    }
 }
 
 void PrimaryLight::ask_by_chance(const SampleId& first, double share, RayCounts& counts, Asked& asked) const {
@@ -74,19 +80,46 @@ void PrimaryLight::ask_by_chance(const SampleId& first, double share, RayCounts&
   std::array<Hit, kMostPacketRays> hits;
   closest_hits(scene_, map_.pose(), rays, hits.data());
   for (uint32_t i = 0; i < asked.points.size(); ++i) {
-    Arrival arrival = emitted_at(rays[i], hits[i], asked.points[i].surface.geometric_normal);
+    Arrival arrival = emitted_at(
+        rays[i], hits[i], cosine_pdf(glm::dot(asked.points[i].surface.geometric_normal, rays.direction(i))));
     if (arrival.power == Color(0)) continue;
     arrival.power *= share * std::numbers::pi;
     asked.arrivals.push_back({i, arrival});
   }
 }
 
+std::optional<Arrival> PrimaryLight::ask_source_in_medium(const SampleId& id, const Vec3& p,
+                                                          const Color& share, RayCounts& counts) const {
+  if (scene_.lights.empty()) return std::nullopt;
+  const uint32_t source =
+      choose_light(scene_, sampler_.point(id, dimension::of_bounce(0, dimension::kLight)).x);
+  const Light& light = scene_.lights[source];
+  const LightSample sample = sample_light(
+      scene_, map_.pose(), light, p, sampler_.point(id, dimension::of_bounce(0, dimension::kLightPoint)));
+  if (sample.incident == Color(0) || is_shot(scene_, settings_.zones, light)) return std::nullopt;
+  const Ray ray{p, sample.target - p, 1};
+  ++counts[RayKind::shadow];
+  if (any_hit(scene_, map_.pose(), ray)) return std::nullopt;
+  const double probability = choice_probability(scene_, source);
+  const double weight = sample.pdf > 0 ? balance(sample.pdf * probability, kSpherePdf) : 1;
+  return Arrival{sample.to_light, share * (weight / probability) * sample.incident * left_by_media(ray)};
+}
+
+std::optional<Arrival> PrimaryLight::ask_by_chance_in_medium(const SampleId& id, const Vec3& p,
+                                                             const Color& share, RayCounts& counts) const {
+  const Ray ray{p, sample_sphere(sampler_.point(id, dimension::of_bounce(0, dimension::kDirection)))};
+  ++counts[RayKind::diffuse];
+  Arrival arrival = emitted_at(ray, closest_hit(scene_, map_.pose(), ray), kSpherePdf);
+  if (arrival.power == Color(0)) return std::nullopt;
+  arrival.power *= share / kSpherePdf;
+  return arrival;
+}
+
 /// Radiance in place of power.
-Arrival PrimaryLight::emitted_at(const Ray& ray, const Hit& hit, const Vec3& normal) const {
+Arrival PrimaryLight::emitted_at(const Ray& ray, const Hit& hit, double density) const {
   Arrival arrival{ray.direction};
-  const double density = cosine_pdf(glm::dot(normal, ray.direction));
   if (!hit.is_hit()) {
-    arrival.power = eval_background(scene_, ray.direction);
+    arrival.power = eval_background(scene_, ray.direction) * left_by_media(ray);
     arrival.is_by_chance = scene_.head().environment == kNone;
     if (!arrival.is_by_chance)
       arrival.power *= balance(density, choice_probability(scene_, environment_source(scene_)) *
@@ -99,7 +132,8 @@ Arrival PrimaryLight::emitted_at(const Ray& ray, const Hit& hit, const Vec3& nor
   const uint32_t source = find_luminaire(scene_, hit.instance, hit.primitive);
   if (source != kNone && is_shot(scene_, settings_.zones, scene_.lights[source])) return arrival;
   arrival.power = emission_at(scene_, map_.pose(), hit.instance, material,
-                              interaction_at(surface, ray.direction, material));
+                              interaction_at(surface, ray.direction, material)) *
+                  left_by_media({ray.origin, ray.direction, hit.t});
   arrival.is_by_chance = source == kNone;
   if (source != kNone)
     arrival.power *=

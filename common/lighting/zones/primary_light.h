@@ -2,8 +2,10 @@
 // Light that comes to zones straight from sources, by shadow rays: "primary light sources are treated apart"
 // (the thesis's 2.2.5, of Nishita and Nakamae), so that sources of any kind will do.
 #include <algorithm>
+#include <optional>
 
 #include "common/lighting/ray_counts.h"
+#include "common/lighting/zones/medium_zones.h"
 #include "common/lighting/zones/zone_map.h"
 #include "common/materials/scattering.h"
 #include "common/sampling/sampler.h"
@@ -42,6 +44,24 @@ class PrimaryLight {
     return {static_cast<int>(cell), -1 - static_cast<int>(side), sample};
   }
   ZonePoint point(const ZoneGrid& grid, uint32_t cell, uint32_t side, uint32_t sample) const;
+  /// Calls visit(arrival) for what comes to points of a medium's cell from all round: power is what the cell
+  /// scatters of it. `cell`: among the grid's.
+  template <typename Visit>
+  void for_each_arrival(const MediumZones& media, const MediumGrid& grid, uint64_t cell, RayCounts& counts,
+                        Visit visit) const {
+    for (uint32_t sample = 0; sample < settings_.zones.samples; ++sample) {
+      const SampleId id = id_of(map_.cell_count() + grid.first_cell + cell, 0, sample);
+      const Vec3 p = media.point(grid, cell, [&](uint32_t i) {
+        const auto r = random_pair(settings_.seed, sampler_.frame(), id, dimension::of_mix(i + 1));
+        return Vec2(r[0], r[1]);
+      });
+      const Color share = grid.volume() / settings_.zones.samples * media.density(grid.first_cell + cell) *
+                          scene_.media[grid.medium].scattering;
+      if (const auto arrival = ask_source_in_medium(id, p, share, counts)) visit(sample, *arrival);
+      if (!has_chance_) continue;
+      if (const auto arrival = ask_by_chance_in_medium(id, p, share, counts)) visit(sample, *arrival);
+    }
+  }
   /// Calls visit(point, sample, arrival) for what comes to the points of a cell's side: from one source by a
   /// shadow ray, and from where a ray leads that leaves by Lambert's law, each weighted by what the other may
   /// bring (Veach 1997, section 9.2.4).
@@ -72,7 +92,16 @@ class PrimaryLight {
   /// `first`: of the first point. `share`: of the zone's area that a point has.
   void ask_sources(const SampleId& first, double share, RayCounts& counts, Asked& asked) const;
   void ask_by_chance(const SampleId& first, double share, RayCounts& counts, Asked& asked) const;
-  Arrival emitted_at(const Ray& ray, const Hit& hit, const Vec3& normal) const;
+  std::optional<Arrival> ask_source_in_medium(const SampleId& id, const Vec3& p, const Color& share,
+                                              RayCounts& counts) const;
+  std::optional<Arrival> ask_by_chance_in_medium(const SampleId& id, const Vec3& p, const Color& share,
+                                                 RayCounts& counts) const;
+  /// `density`: with which the ray's direction was chosen.
+  Arrival emitted_at(const Ray& ray, const Hit& hit, double density) const;
+  /// What media leave of light on its way.
+  Color left_by_media(const Ray& ray) const {
+    return scene_.media.empty() ? Color(1) : transmittance(scene_, ray);
+  }
 
   const Scene& scene_;
   const ZoneMap& map_;

@@ -37,7 +37,7 @@ class ZonalSolver : public ZoneSolver {
       unsent_.clear();
       stage_ = ZoneStageKind::light;
       const uint64_t points = uint64_t{2} * settings_.zones.samples;
-      return make_stage("light from sources", zones_.map().cell_count(),
+      return make_stage("light from sources", zones_.map().cell_count() + zones_.media().cell_count(),
                         std::max<uint64_t>(1, settings_.zones.batch / points));
     }
     if (stage_ == ZoneStageKind::light && mirrors_.count() > 0) {
@@ -81,7 +81,7 @@ class ZonalSolver : public ZoneSolver {
   std::vector<std::byte> solution() const override { return encode_zone_solution(solved_); }
 
  private:
-  uint64_t slots() const { return zones_.map().slot_count(); }
+  uint64_t slots() const { return zones_.slot_count(); }
   const Scene& scene() const { return zones_.scene(head_.pass); }
 
   ZoneStage make_stage(const std::string& name, uint64_t units, uint64_t units_per_item) {
@@ -93,6 +93,17 @@ class ZonalSolver : public ZoneSolver {
     return {name, out.take(), units, units_per_item};
   }
 
+  /// The first sum of a cell, and how many it has.
+  std::pair<uint64_t, uint64_t> slots_of_cell(uint64_t i) const {
+    const ZoneMap& map = zones_.map();
+    if (i < map.cell_count()) {
+      const ZoneGrid& grid = map.grids()[map.grid_of_cell(i)];
+      return {grid.slot(static_cast<uint32_t>(i - grid.first_cell), 0), 2 * grid.store.slots()};
+    }
+    const MediumGrid& grid = zones_.media().grid_of_cell(i - map.cell_count());
+    return {map.slot_count() + grid.slot(i - map.cell_count() - grid.first_cell), grid.directions.count()};
+  }
+
   /// Calls visit(cell, followed, slot, direct, by_chance) for what an item tells; visit(cell, followed) once
   /// for each cell.
   template <typename VisitCell, typename VisitSlot>
@@ -101,9 +112,7 @@ class ZonalSolver : public ZoneSolver {
     PackedReader in(result);
     const uint64_t first = item * units_per_item_, end = std::min(units_, first + units_per_item_);
     for (uint64_t i = first; i < end; ++i) {
-      const ZoneGrid& grid = zones_.map().grids()[zones_.map().grid_of_cell(i)];
-      const uint64_t slots = 2 * grid.store.slots();
-      const uint64_t first_slot = grid.slot(static_cast<uint32_t>(i - grid.first_cell), 0);
+      const auto [first_slot, slots] = slots_of_cell(i);
       const uint64_t lit = in.number(), has_followed = in.number();
       if (lit > slots || has_followed > 1) throw PackedReader::damaged();
       visit_cell(has_followed ? in.color() : Color(0));
@@ -155,7 +164,7 @@ class ZonalSolver : public ZoneSolver {
   /// Power that a zone got: it is to be sent on, unless its material doesn't.
   void keep(uint64_t slot, const Power& power) {
     current_->total[slot] += power;
-    if (is_sent_on(zones_.map(), slot))
+    if (is_sent_on(zones_, slot))
       unsent_[slot] += power;
     else
       current_->absorbed += power;

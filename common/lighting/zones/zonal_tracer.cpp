@@ -31,7 +31,7 @@ class ZonalTracer : public ZoneTracer {
     unsent_.clear();
     first_ray_.assign(1, 0);
     if (head_.kind == ZoneStageKind::shoot)
-      in.sums(zones_.map().slot_count(), [&](uint64_t slot, const Power& power) {
+      in.sums(zones_.slot_count(), [&](uint64_t slot, const Power& power) {
         slots_.push_back(slot);
         unsent_.push_back(power);
         first_ray_.push_back(first_ray_.back() + ray_count(power, head_));
@@ -41,7 +41,8 @@ class ZonalTracer : public ZoneTracer {
   }
 
   ZoneItemResult work(uint64_t first, uint64_t count, const std::function<void()>& pulse) override {
-    const uint64_t units = head_.kind == ZoneStageKind::light     ? zones_.map().cell_count()
+    const uint64_t units = head_.kind == ZoneStageKind::light
+                               ? zones_.map().cell_count() + zones_.media().cell_count()
                            : head_.kind == ZoneStageKind::mirrors ? mirrors_.count()
                                                                   : first_ray_.back();
     if (first > units || count > units - first) throw std::runtime_error("zones have no such units");
@@ -74,6 +75,81 @@ class ZonalTracer : public ZoneTracer {
   }
   double choice_of(const SampleId& id) const { return sampler_.point(id, dimension::of_mix(0)).x; }
 
+  /// What zones of one cell keep of the light straight from sources.
+  struct ZoneLit {
+    explicit ZoneLit(uint64_t slots) : direct(slots, Color(0)), chance(slots, Color(0)) {}
+    std::vector<Color>& kept(const Arrival& arrival) { return arrival.is_by_chance ? chance : direct; }
+    std::vector<Color> direct, chance;  ///< by slot, from the cell's first
+    Color followed{0};                  ///< of it, what goes on from the surface
+  };
+
+  ZoneLit measure_surface(const PrimaryLight& light, uint64_t i, RayCounts& counts) const {
+    const ZoneMap& map = zones_.map();
+    const ZoneGrid& grid = map.grids()[map.grid_of_cell(i)];
+    const auto cell = static_cast<uint32_t>(i - grid.first_cell);
+    const uint64_t slots = 2 * grid.store.slots(), first_slot = grid.slot(cell, 0);
+    ZoneLit result(slots);
+    const bool is_seen =
+        grid.store.is_any() || is_followed_at(scene(), scene().materials[grid.material], grid);
+    for (uint32_t side = 0; side < 2 && is_seen && map.area(grid, cell) > 0; ++side)
+      light.for_each_arrival(
+          grid, cell, side, counts, [&](const ZonePoint& point, uint32_t sample, const Arrival& arrival) {
+            const SampleId id = PrimaryLight::id_of(i, side, sample);
+            const Lit lit = look_at(point, arrival.to_source, choice_of(id));
+            for (const Lobe& lobe : followed_lobes(&grid, lit.material, lit.at, lit.lobes))
+              result.followed += arrival.power * lobe.attenuation;
+            if (!grid.store.is_any()) return;
+            KeptParts parts;
+            find_kept(
+                grid, cell, colors()(grid, cell), lit.surface, lit.at, lit.lobes, point.tangent,
+                [&](uint32_t k) {
+                  return sampler_.point({id.x, id.y, 16 * sample + k},
+                                        dimension::of_bounce(1, dimension::kLightPoint));
+                },
+                parts);
+            for (const KeptPart& part : parts)
+              result.kept(arrival)[part.slot - first_slot] += arrival.power * part.fraction;
+          });
+    return result;
+  }
+
+  ZoneLit measure_medium(const PrimaryLight& light, uint64_t i, RayCounts& counts) const {
+    const MediumGrid& grid = zones_.media().grid_of_cell(i);
+    const uint64_t cell = i - grid.first_cell;
+    ZoneLit result(grid.directions.count());
+    light.for_each_arrival(zones_.media(), grid, cell, counts, [&](uint32_t sample, const Arrival& arrival) {
+      if (grid.directions.rows == 0) {
+        result.kept(arrival)[0] += arrival.power;
+        return;
+      }
+      const SampleId id = PrimaryLight::id_of(zones_.map().cell_count() + i, 0, sample);
+      const Frame frame(-arrival.to_source);
+      for (uint32_t k = 0; k < kSpreadRays; ++k) {
+        const Vec2 u = sampler_.point({id.x, id.y, kSpreadRays * sample + k},
+                                      dimension::of_bounce(1, dimension::kLightPoint));
+        const Vec3 local = sample_henyey_greenstein(u, scene().media[grid.medium].asymmetry);
+        result.kept(arrival)[grid.directions.cell(frame.to_world(local))] +=
+            arrival.power / double{kSpreadRays};
+      }
+    });
+    return result;
+  }
+
+  static void write_lit(PackedWriter& out, const ZoneLit& lit) {
+    uint64_t lit_slots = 0;
+    for (uint64_t s = 0; s < lit.direct.size(); ++s)
+      lit_slots += lit.direct[s] != Color(0) || lit.chance[s] != Color(0) ? 1 : 0;
+    out.number(lit_slots);
+    out.number(lit.followed == Color(0) ? 0 : 1);
+    if (lit.followed != Color(0)) out.color(lit.followed);
+    for (uint64_t s = 0; s < lit.direct.size(); ++s) {
+      if (lit.direct[s] == Color(0) && lit.chance[s] == Color(0)) continue;
+      out.number(s);
+      out.color(lit.direct[s]);
+      out.color(lit.chance[s]);
+    }
+  }
+
   /// What zones keep of the light straight from sources, and what of it goes on from their surfaces.
   std::vector<std::byte> measure_light(uint64_t first, uint64_t count, const std::function<void()>& pulse,
                                        RayCounts& counts) const {
@@ -81,45 +157,10 @@ class ZonalTracer : public ZoneTracer {
     const PrimaryLight light(scene(), map, sampler_, settings_);
     PackedWriter out;
     for (uint64_t i = first; i < first + count; ++i) {
-      const ZoneGrid& grid = map.grids()[map.grid_of_cell(i)];
-      const auto cell = static_cast<uint32_t>(i - grid.first_cell);
-      const uint64_t slots = 2 * grid.store.slots(), first_slot = grid.slot(cell, 0);
-      std::vector<Color> direct(slots, Color(0)), chance(slots, Color(0));
-      Color followed(0);
-      const bool is_seen =
-          grid.store.is_any() || is_followed_at(scene(), scene().materials[grid.material], grid);
-      for (uint32_t side = 0; side < 2 && is_seen && map.area(grid, cell) > 0; ++side)
-        light.for_each_arrival(
-            grid, cell, side, counts, [&](const ZonePoint& point, uint32_t sample, const Arrival& arrival) {
-              const SampleId id = PrimaryLight::id_of(i, side, sample);
-              const Lit lit = look_at(point, arrival.to_source, choice_of(id));
-              for (const Lobe& lobe : followed_lobes(&grid, lit.material, lit.at, lit.lobes))
-                followed += arrival.power * lobe.attenuation;
-              if (!grid.store.is_any()) return;
-              KeptParts parts;
-              find_kept(
-                  grid, cell, colors()(grid, cell), lit.surface, lit.at, lit.lobes, point.tangent,
-                  [&](uint32_t k) {
-                    return sampler_.point({id.x, id.y, 16 * sample + k},
-                                          dimension::of_bounce(1, dimension::kLightPoint));
-                  },
-                  parts);
-              for (const KeptPart& part : parts)
-                (arrival.is_by_chance ? chance : direct)[part.slot - first_slot] +=
-                    arrival.power * part.fraction;
-            });
-      uint64_t lit_slots = 0;
-      for (uint64_t s = 0; s < slots; ++s)
-        lit_slots += direct[s] != Color(0) || chance[s] != Color(0) ? 1 : 0;
-      out.number(lit_slots);
-      out.number(followed == Color(0) ? 0 : 1);
-      if (followed != Color(0)) out.color(followed);
-      for (uint64_t s = 0; s < slots; ++s) {
-        if (direct[s] == Color(0) && chance[s] == Color(0)) continue;
-        out.number(s);
-        out.color(direct[s]);
-        out.color(chance[s]);
-      }
+      const bool is_medium = i >= map.cell_count();
+      const ZoneLit lit =
+          is_medium ? measure_medium(light, i - map.cell_count(), counts) : measure_surface(light, i, counts);
+      write_lit(out, lit);
       pulse();
     }
     return out.take();
@@ -127,8 +168,8 @@ class ZonalTracer : public ZoneTracer {
 
   std::vector<std::byte> send_rays(uint64_t first, uint64_t count, const std::function<void()>& pulse,
                                    RayCounts& counts) {
-    PowerTally tally(zones_.map().slot_count());
-    PowerTracer tracer(scene(), zones_.map(), colors(), sampler_, settings_, tally, counts);
+    PowerTally tally(zones_.slot_count());
+    PowerTracer tracer(scene(), zones_, colors(), sampler_, settings_, tally, counts);
     for (uint64_t unit = first; unit < first + count; ++unit) {
       if (head_.kind == ZoneStageKind::mirrors)
         send_from_mirror(mirrors_[unit], tracer, counts);
@@ -167,8 +208,7 @@ class ZonalTracer : public ZoneTracer {
           PowerRay ray;
           ray.ray = {lit.surface.ray_origin(next.direction), next.direction};
           ray.power = head_.quantum.quantized(arrival.power * next.weight);
-          // Two rays may leave a point: what a source sent, and what was found by chance.
-          ray.id = {id.x, id.y - (arrival.is_by_chance ? 2 : 0), sample};
+          ray.id = id;
           ray.depth = 2;
           if (next.is_transmitted && lit.material.kind == MaterialKind::dielectric)
             ray.media.cross(lit.surface.material, lit.surface.is_front);
@@ -182,15 +222,29 @@ class ZonalTracer : public ZoneTracer {
     const auto index = static_cast<size_t>(found - first_ray_.begin());
     const uint64_t number = unit - *found, slot = slots_[index];
     const auto rays = static_cast<int64_t>(ray_count(unsent_[index], head_));
-    const ZoneMap& map = zones_.map();
-    const SlotPlace place = map.place_of_slot(slot);
-    const ZoneGrid& grid = map.grids()[place.grid];
     Power power;
     for (size_t c = 0; c < 3; ++c)
       power[c] = unsent_[index][c] / rays + (std::cmp_less(number, unsent_[index][c] % rays) ? 1 : 0);
     PowerRay ray;
     ray.id = {static_cast<int>(slot & 0x7fffffff),
               static_cast<int>(slot >> 31 << 20 | (head_.round & 0xfffff)), static_cast<uint32_t>(number)};
+    ray.is_direct = head_.round == 0 && settings_.zones.primary == ZonePrimary::shot;
+    ray.power = power;
+    if (slot < zones_.map().slot_count())
+      leave_surface(slot, ray);
+    else
+      leave_medium(slot - zones_.map().slot_count(), ray);
+    Power lost = power;
+    lost -= ray.power;
+    tally.absorbed += lost;
+    tally.sent += lost;
+    tracer.send(ray);
+  }
+
+  void leave_surface(uint64_t slot, PowerRay& ray) const {
+    const ZoneMap& map = zones_.map();
+    const SlotPlace place = map.place_of_slot(slot);
+    const ZoneGrid& grid = map.grids()[place.grid];
     const ZonePoint point =
         map.point(grid, place.cell, place.side, sampler_.point(ray.id, kOnZone), [&](uint32_t i) {
           const auto r = random_pair(settings_.seed, sampler_.frame(), ray.id, dimension::of_mix(i + 1));
@@ -204,14 +258,19 @@ class ZonalTracer : public ZoneTracer {
     const DirectionFrame frame(point.surface.geometric_normal, point.tangent);
     const Vec3 local = direction_at(u), direction = frame.to_world(local);
     ray.ray = {point.surface.ray_origin(direction), direction};
-    ray.power =
-        place.direction > 0 ? power : scaled(power, Color(passed_by_polish(point, direction, ray.id)));
-    ray.is_direct = head_.round == 0 && settings_.zones.primary == ZonePrimary::shot;
-    Power lost = power;
-    lost -= ray.power;
-    tally.absorbed += lost;
-    tally.sent += lost;
-    tracer.send(ray);
+    if (place.direction == 0)
+      ray.power = scaled(ray.power, Color(passed_by_polish(point, direction, ray.id)));
+  }
+
+  void leave_medium(uint64_t slot, PowerRay& ray) const {
+    const MediumGrid& grid = zones_.media().grid_of_slot(slot);
+    const uint64_t in_grid = slot - grid.first_slot, directions = grid.directions.count();
+    const Vec3 p = zones_.media().point(grid, in_grid / directions, [&](uint32_t i) {
+      const auto r = random_pair(settings_.seed, sampler_.frame(), ray.id, dimension::of_mix(i + 1));
+      return Vec2(r[0], r[1]);
+    });
+    const Vec2 u = sampler_.point(ray.id, dimension::of_bounce(0, dimension::kDirection));
+    ray.ray = {p, grid.directions.direction(static_cast<uint32_t>(in_grid % directions), u)};
   }
 
   /// What a substrate sends through its polish in a direction.

@@ -40,34 +40,17 @@ struct CornerHash {
 }  // namespace
 
 ZoneLight::ZoneLight(const ZoneScene& zones, size_t pass, const ZonePassSolution& solution, ZoneView view)
-    : map_(zones.map()),
+    : scene_(zones.scene(pass)),
+      map_(zones.map()),
+      media_(zones.media()),
       colors_(zones.scene(pass), zones.map()),
       view_(view),
-      values_(map_.slot_count(), glm::vec3(0)) {
+      values_(zones.slot_count(), glm::vec3(0)) {
   solution.total.for_each([&](uint64_t slot, const Power& total) {
-    const SlotPlace place = map_.place_of_slot(slot);
-    const ZoneGrid& grid = map_.grids()[place.grid];
-    const double area = map_.area(grid, place.cell);
-    if (!(area > 0)) return;
-    const Color power = solution.quantum.value(total);
-    if (place.direction > 0) {
-      const double cells = grid.store.direction_cells;
-      values_[slot] = power * (cells * cells / (pi * area));
-    } else {
-      values_[slot] = power / area;
-    }
+    Power power = total;
+    if (view == ZoneView::direct) power -= solution.direct.at(slot);
+    values_[slot] = solution.quantum.value(power) * per_power(slot);
   });
-  if (view == ZoneView::direct)
-    solution.direct.for_each([&](uint64_t slot, const Power& direct) {
-      const SlotPlace place = map_.place_of_slot(slot);
-      const ZoneGrid& grid = map_.grids()[place.grid];
-      const double area = map_.area(grid, place.cell), cells = grid.store.direction_cells;
-      if (!(area > 0)) return;
-      const Color value =
-          solution.quantum.value(direct) * (place.direction > 0 ? cells * cells / (pi * area) : 1 / area);
-      // The total has it in it; what is left may be a rounding error.
-      values_[slot] = glm::max(Color(values_[slot]) - value, Color(0));
-    });
   for (const ZoneGrid& grid : map_.grids()) {
     if (!grid.store.is_diffuse || !colors_.is_textured(grid)) continue;
     for (uint32_t cell = 0; cell < grid.cell_count; ++cell)
@@ -77,6 +60,23 @@ ZoneLight::ZoneLight(const ZoneScene& zones, size_t pass, const ZonePassSolution
       }
   }
   if (view != ZoneView::flat) find_corners();
+}
+
+/// Makes values of power.
+Color ZoneLight::per_power(uint64_t slot) const {
+  if (slot < map_.slot_count()) {
+    const SlotPlace place = map_.place_of_slot(slot);
+    const ZoneGrid& grid = map_.grids()[place.grid];
+    const double area = map_.area(grid, place.cell), cells = grid.store.direction_cells;
+    if (!(area > 0)) return Color(0);
+    return Color(place.direction > 0 ? cells * cells / (pi * area) : 1 / area);
+  }
+  const uint64_t in_media = slot - map_.slot_count();
+  const MediumGrid& grid = media_.grid_of_slot(in_media);
+  const uint64_t cell = (in_media - grid.first_slot) / grid.directions.count();
+  const Color extinction = 4 * pi * grid.volume() * media_.density(grid.first_cell + cell) *
+                           scene_.media[grid.medium].extinction();
+  return over(Color(grid.directions.count()), extinction);
 }
 
 void ZoneLight::find_corners() {
@@ -177,6 +177,72 @@ Color ZoneLight::radiance(const ZoneGrid& grid, const Hit& hit, const Surface& s
     result += kept * part / pi;
   }
   if (grid.store.direction_cells > 0) result += directional(grid, cell, surface, p_object, at.to_viewer);
+  return result;
+}
+
+/// Linear between the middles of cells, and of cells of directions.
+Color ZoneLight::source_at(const MediumGrid& grid, const Vec3& p, const Vec3& to_viewer) const {
+  const Vec3 place = (p - scene_.media[grid.medium].box.lo) / grid.step;
+  const uint32_t directions = grid.directions.count(), rows = grid.directions.rows, columns = 2 * rows;
+  const auto in_cell = [&](const std::array<uint32_t, 3>& cell) -> Color {
+    const uint64_t first = map_.slot_count() + grid.slot(grid.index(cell));
+    if (directions == 1) return values_[first];
+    if (view_ == ZoneView::flat) return values_[first + grid.directions.cell(to_viewer)];
+    const Vec2 at = grid.directions.place(to_viewer) - Vec2(0.5);
+    const double row = std::clamp(at.y, 0.0, rows - 1.0), column = at.x < 0 ? at.x + columns : at.x;
+    const auto i = std::min(static_cast<uint32_t>(column), columns - 1),
+               j = std::min(static_cast<uint32_t>(row), rows - 2);
+    const double fx = column - i, fy = row - j;
+    const auto value = [&](uint32_t x, uint32_t y) {
+      return Color(values_[first + y * columns + x % columns]);
+    };
+    return (1 - fy) * ((1 - fx) * value(i, j) + fx * value(i + 1, j)) +
+           fy * ((1 - fx) * value(i, j + 1) + fx * value(i + 1, j + 1));
+  };
+  std::array<uint32_t, 3> low{}, high{};
+  Vec3 share(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<size_t>(axis);
+    const double most = grid.count[i] - 1.0;
+    const double x = view_ == ZoneView::flat ? std::clamp(std::floor(place[axis]), 0.0, most)
+                                             : std::clamp(place[axis] - 0.5, 0.0, most);
+    low[i] = static_cast<uint32_t>(x);
+    high[i] = std::min(low[i] + 1, grid.count[i] - 1);
+    share[axis] = x - low[i];
+  }
+  Color sum(0);
+  for (uint32_t corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    std::array<uint32_t, 3> cell{};
+    for (size_t i = 0; i < 3; ++i) {
+      const bool is_high = corner >> i & 1;
+      const double s = share[static_cast<int>(i)];
+      weight *= is_high ? s : 1 - s;
+      cell[i] = is_high ? high[i] : low[i];
+    }
+    if (weight > 0) sum += weight * in_cell(cell);
+  }
+  return sum;
+}
+
+Color ZoneLight::radiance_of_media(const Ray& ray) const {
+  Color result(0), left(1);
+  for (const MediumSegment& segment : media_along(scene_, ray)) {
+    const ParticipatingMedium& medium = scene_.media[segment.medium];
+    const MediumGrid* const grid = media_.find(segment.medium);
+    if (!grid) {
+      left *= attenuation(density_along(scene_, ray, segment) * medium.extinction());
+      continue;
+    }
+    GridWalk piece(ray, segment.t0, segment.t1, medium.box.lo, grid->step, grid->count);
+    while (piece.next()) {
+      const Color gone = attenuation(density_along(scene_, ray, {segment.medium, piece.t0(), piece.t1()}) *
+                                     medium.extinction());
+      const Vec3 middle = ray.origin + 0.5 * (piece.t0() + piece.t1()) * ray.direction;
+      result += left * (Color(1) - gone) * source_at(*grid, middle, -normalized(ray.direction));
+      left *= gone;
+    }
+  }
   return result;
 }
 

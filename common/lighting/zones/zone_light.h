@@ -22,9 +22,13 @@ class ZoneLight {
   /// there. In the view `direct` without what came straight from sources.
   Color radiance(const ZoneGrid& grid, const Hit& hit, const Surface& surface, const Interaction& at,
                  const Lobes& lobes) const;
+  /// Radiance that media send against a ray's direction, between 0 and its t_max.
+  Color radiance_of_media(const Ray& ray) const;
 
  private:
+  Color source_at(const MediumGrid& grid, const Vec3& p, const Vec3& to_viewer) const;
   void find_corners();
+  Color per_power(uint64_t slot) const;
   glm::vec3 kept_diffusely(const ZoneGrid& grid, uint32_t cell, uint32_t side) const {
     return values_[grid.slot(cell, side)];
   }
@@ -32,11 +36,14 @@ class ZoneLight {
   Color directional(const ZoneGrid& grid, uint32_t cell, const Surface& surface, const Vec3& p_object,
                     const Vec3& to_viewer) const;
 
+  const Scene scene_;  ///< in the pass's colours
   const ZoneMap& map_;
+  const MediumZones& media_;
   ZoneColors colors_;
   ZoneView view_;
   /// By slot. Of diffuse ones power per area, in grids with textures over what the cell reflects of all;
   /// of directions radiance.
+  /// Of media the radiance of what is opaque.
   GrowingArray<glm::vec3> values_;
   GrowingArray<uint32_t>
       shared_corner_;  ///< by corner: corners at one place, of one material and normal, are one

@@ -1,5 +1,9 @@
 #include "common/lighting/zones/zone_scene.h"
 
+#include <fmt/core.h>
+
+#include <stdexcept>
+
 namespace rayfarm {
 
 ZoneScene::ZoneScene(const Scene& scene, const RenderSettings& settings, int frame)
@@ -7,13 +11,22 @@ ZoneScene::ZoneScene(const Scene& scene, const RenderSettings& settings, int fra
       state_(scene_),
       pose_(state_.at(frame)),
       passes_(make_coloured_scenes(scene_, settings)),
-      map_(scene_, pose_, settings.zones) {
+      map_(scene_, pose_, settings.zones),
+      media_(scene_, map_.size()) {
+  if (slot_count() * kSlotBytes > settings.zones.most_bytes())
+    throw std::runtime_error(fmt::format(
+        "zones of surfaces and media with {} sums of power take {:.1f} GiB, and {:g} GiB are allowed; a "
+        "larger "
+        "--zone-size, or more --zone-memory, is needed",
+        slot_count(), static_cast<double>(slot_count() * kSlotBytes) / 0x1p30, settings.zones.most_GiB));
   if (!has_changing_links(scene_)) return;
   const FrameLights lights = make_frame_lights(scene_, light_powers(scene_), frame);
   for (ColouredScene& pass : passes_) pass.set_lights(lights);
 }
 
-bool is_sent_on(const ZoneMap& map, uint64_t slot) {
+bool is_sent_on(const ZoneScene& zones, uint64_t slot) {
+  const ZoneMap& map = zones.map();
+  if (slot >= map.slot_count()) return true;
   const SlotPlace place = map.place_of_slot(slot);
   const Material& material = map.scene().materials[map.grids()[place.grid].material];
   return place.direction == 0 ? has_diffuse_rays(material) : has_reflected_rays(material);

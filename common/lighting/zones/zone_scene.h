@@ -2,6 +2,7 @@
 // What solver, tracer and pictures know of a scene at one pose.
 #include "common/hierarchy/frame_state.h"
 #include "common/lighting/coloured_scene.h"
+#include "common/lighting/zones/medium_zones.h"
 #include "common/lighting/zones/zone_colors.h"
 #include "common/scene/render_settings.h"
 
@@ -14,6 +15,9 @@ class ZoneScene {
   ZoneScene(const ZoneScene&) = delete;
 
   const ZoneMap& map() const { return map_; }
+  const MediumZones& media() const { return media_; }
+  /// Surfaces' slots, then the media's.
+  uint64_t slot_count() const { return map_.slot_count() + media_.slot_count(); }
   const Pose& pose() const { return pose_; }
   size_t passes() const { return passes_.size(); }
   /// The scene in the colours of a pass.
@@ -25,10 +29,11 @@ class ZoneScene {
   Pose pose_;
   std::vector<ColouredScene> passes_;
   ZoneMap map_;
+  MediumZones media_;
 };
 
 /// True if light that is kept at the slot is sent on: some materials only reflect what sources send
 /// (Material::reflections).
-bool is_sent_on(const ZoneMap& map, uint64_t slot);
+bool is_sent_on(const ZoneScene& zones, uint64_t slot);
 
 }  // namespace rayfarm
