@@ -40,6 +40,12 @@ MediumEvent walk_homogeneous(const ParticipatingMedium& medium, const MediumSegm
   return {segment.medium, segment.t0 + distance / length};
 }
 
+/// The optical depth of a block's piece at its majorant. No more than a box can have, however rays from far
+/// away are rounded; steps count it down, as there t itself may not move by one.
+double depth_of(const MajorantWalk& block, double rate) {
+  return std::min((block.t1() - block.t0()) * rate, kMostOpticalDepth);
+}
+
 MediumEvent walk_grid(const Scene& scene, const Ray& ray, const MediumSegment& segment, double length,
                       Color& throughput, MediumNumbers& numbers) {
   const ParticipatingMedium& medium = scene.media[segment.medium];
@@ -47,10 +53,11 @@ MediumEvent walk_grid(const Scene& scene, const Ray& ray, const MediumSegment& s
   double depth = random_depth(numbers);  // to the next collision
   for (MajorantWalk block(scene, ray, segment); block.next();) {
     const double rate = max_component(extinction) * block.majorant() * length;  // of collisions, by t
-    double t = block.t0();
-    while (depth < (block.t1() - t) * rate) {
-      t += depth / rate;
-      const double density = density_at(scene, medium, ray.origin + t * ray.direction);
+    double rest = depth_of(block, rate);
+    for (; depth < rest; depth = random_depth(numbers)) {
+      rest -= depth;
+      const double t = block.t1() - rest / rate,
+                   density = density_at(scene, medium, ray.origin + t * ray.direction);
       const Color real = (density * length / rate) * extinction;  // the probability in each channel
       const double chance = std::min(1.0, glm::dot(throughput, real) / sum_of(throughput));
       if (numbers.next() < chance) {
@@ -58,9 +65,8 @@ MediumEvent walk_grid(const Scene& scene, const Ray& ray, const MediumSegment& s
         return {segment.medium, t};
       }
       throughput *= glm::max(Color(1) - real, Color(0)) / (1 - chance);
-      depth = random_depth(numbers);
     }
-    depth -= (block.t1() - t) * rate;
+    depth -= rest;
   }
   return {};
 }
@@ -74,21 +80,20 @@ void track_ratio(const Scene& scene, const Ray& ray, const MediumSegment& segmen
   double depth = random_depth(numbers);
   for (MajorantWalk block(scene, ray, segment); block.next();) {
     const double rate = max_component(extinction) * block.majorant() * length;
-    double t = block.t0();
-    while (depth < (block.t1() - t) * rate) {
-      t += depth / rate;
-      const double density = density_at(scene, medium, ray.origin + t * ray.direction);
+    double rest = depth_of(block, rate);
+    for (; depth < rest; depth = random_depth(numbers)) {
+      rest -= depth;
+      const double density =
+          density_at(scene, medium, ray.origin + (block.t1() - rest / rate) * ray.direction);
       left *= glm::max(Color(1) - (density * length / rate) * extinction, Color(0));
-      if (max_component(left) < kLittle) {
-        if (numbers.next() < 0.5) {
-          left = Color(0);
-          return;
-        }
-        left *= 2.0;
+      if (max_component(left) >= kLittle) continue;
+      if (numbers.next() < 0.5) {
+        left = Color(0);
+        return;
       }
-      depth = random_depth(numbers);
+      left *= 2.0;
     }
-    depth -= (block.t1() - t) * rate;
+    depth -= rest;
   }
 }
 
