@@ -28,6 +28,7 @@ struct SamplingTables {
 constexpr double kDiffuseSpread = 0.1;
 
 class LightItems;
+class Media;
 
 struct FrameContext {
   const Scene& scene;
@@ -36,6 +37,7 @@ struct FrameContext {
   double spread = 0;  ///< of eye rays: how much wider a pixel's cone gets with each unit of length
   const Hit* eye_hits = nullptr;  ///< of the packet of eye rays, where an item buffer has found them
   const LightItems* light_items = nullptr;
+  const Media* eye_media = nullptr;  ///< that eye rays begin in, where they have to know; null: none
 };
 
 }  // namespace rayfarm

@@ -2,6 +2,7 @@
 
 #include "common/image/film.h"
 #include "common/lighting/eye_rays.h"
+#include "common/lighting/self_hits.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
@@ -63,6 +64,7 @@ class Renderer::Rendering {
         small_objects_(renderer.small_objects_),
         eye_items_(renderer.eye_items_ ? &*renderer.eye_items_ : nullptr),
         light_items_(renderer.light_items_ ? &*renderer.light_items_ : nullptr),
+        eye_media_(renderer.eye_media_),
         rect_(rect),
         pulse_(pulse),
         film_(rect, make_pixel_layout(settings_.pixel_format)) {}
@@ -103,9 +105,10 @@ class Renderer::Rendering {
       const bool is_first = &pass == &passes_.front();
       std::array<Color, kMostPacketRays> more;
       Color* const channels = is_first ? colors : more.data();
-      counted.eye_hits += integrator_.trace({pass.scene(), moment.pose, tables_, moment.camera.spread(),
-                                             eye_items_ ? eye_hits.data() : nullptr, light_items_},
-                                            rays, ids, counted.counts, channels);
+      counted.eye_hits +=
+          integrator_.trace({pass.scene(), moment.pose, tables_, moment.camera.spread(),
+                             eye_items_ ? eye_hits.data() : nullptr, light_items_, eye_media_of(moment)},
+                            rays, ids, counted.counts, channels);
       if (pass.pass().is_rgb) break;
       for (size_t i = 0; i < rays.size; ++i) {
         const Color color = pass.pass().rgb_from_channels * channels[i];
@@ -116,6 +119,10 @@ class Renderer::Rendering {
     if (rays_since_pulse_ < kRaysPerPulse) return;
     rays_since_pulse_ = 0;
     pulse_();
+  }
+
+  const Media* eye_media_of(const Moment& moment) const {
+    return eye_media_.empty() ? nullptr : &eye_media_[static_cast<size_t>(&moment - moments_.data())];
   }
 
   /// The rays of a packet whose size is set.
@@ -319,6 +326,7 @@ class Renderer::Rendering {
   std::span<const SmallObject> small_objects_;
   EyeItems* eye_items_;            ///< null: none
   const LightItems* light_items_;  ///< null: none
+  const std::vector<Media>& eye_media_;
   PixelRect rect_;
   const std::function<void()>& pulse_;
   Film film_;
@@ -359,8 +367,14 @@ void Renderer::set_frame(int frame) {
   light_items_.reset();
   if (settings_.item_buffer != ItemBuffer::none && has_one_eye(scene_, settings_))
     eye_items_.emplace(scene_, now_.front().pose, now_.front().camera, settings_);
-  if (settings_.light_cells > 0 && settings_.lighting != LightingModel::path && now_.size() == 1)
+  if (settings_.light_cells > 0 && settings_.lighting != LightingModel::path &&
+      settings_.self_hit == SelfHit::bound && now_.size() == 1)
     light_items_.emplace(shining, now_.front().pose, settings_.light_cells);
+  eye_media_.clear();
+  if (settings_.self_hit == SelfHit::medium)
+    for (const Moment& moment : now_)
+      eye_media_.push_back(find_eye_media(
+          scene_, moment.pose, moment.camera.ray(0.5 * settings_.width_px, 0.5 * settings_.height_px)));
   frame_ = frame;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // The command line: commands with long GNU options in any order, help texts in plain words, and what was
 // probably meant by a mistyped word. The parser's library is known to command_line.cpp alone.
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -93,6 +94,14 @@ class Options {
   CLI::App* command_;
   std::string group_ = "Options";
 };
+
+/// What Options::choice takes of an enumeration whose words stand in the order of its values.
+template <typename Value, size_t count>
+std::vector<std::pair<std::string, Value>> choices(const std::array<const char*, count>& words) {
+  std::vector<std::pair<std::string, Value>> choices;
+  for (size_t i = 0; i < count; ++i) choices.emplace_back(words[i], static_cast<Value>(i));
+  return choices;
+}
 
 /// How scenes are rendered; main gives it, which knows the roles of processes.
 struct Renders {

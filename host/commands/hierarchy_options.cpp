@@ -1,16 +1,6 @@
 #include "host/commands/hierarchy_options.h"
 
 namespace rayfarm {
-namespace {
-
-template <typename Value, size_t count>
-std::vector<std::pair<std::string, Value>> choices(const std::array<const char*, count>& words) {
-  std::vector<std::pair<std::string, Value>> choices;
-  for (size_t i = 0; i < count; ++i) choices.emplace_back(words[i], static_cast<Value>(i));
-  return choices;
-}
-
-}  // namespace
 
 void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.choice<Hierarchy>(

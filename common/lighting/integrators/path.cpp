@@ -9,7 +9,7 @@
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/light_choice.h"
 #include "common/lighting/light_sampling.h"
-#include "common/lighting/media.h"
+#include "common/lighting/self_hits.h"
 #include "common/lighting/textured.h"
 
 namespace rayfarm {
@@ -42,6 +42,7 @@ class PathTracer {
         settings_(context.tables.settings),
         sampler_(context.tables.sampler),
         is_in_lanes_(is_in_lanes),
+        is_by_medium_(is_by_medium(context)),
         counts_(counts),
         colors_(colors) {}
 
@@ -55,6 +56,8 @@ class PathTracer {
       path.place = static_cast<uint32_t>(i);
       path.id = ids[i];
       path.spread = context_.spread;
+      if (context_.eye_media) [[unlikely]]
+        path.media = *context_.eye_media;
       lanes_.places[i] = path.place;
       lanes_.pixel_keys[i] = sampler_.pixel_key(ids[i]);
       lanes_.reversed_samples[i] = reversed_bits(ids[i].sample);
@@ -75,11 +78,15 @@ class PathTracer {
       find_eye_hits(context_, lanes_.rays, hits.data());
     else
       closest_hits(scene_, pose_, lanes_.rays, hits.data());
+    if (is_by_medium_) [[unlikely]]
+      keep_real(hits.data());
     lanes_.clear_sets();
     shadows_.rays.clear();
     LaneSet together = 0, go_on = 0;
     if (is_in_lanes_) {
       LaneSet met = eval_surfaces(scene_, pose_, lanes_.rays, hits.data(), lanes_.surfaces);
+      if (is_by_medium_) [[unlikely]]
+        lay_on_surfaces(scene_, met, lanes_.surfaces);
       if (depth_ >= settings_.max_depth) met = 0;
       for_each_lane(met, [&](size_t lane) {
         if (prepare(lane, hits[lane])) together |= LaneSet{1} << lane;
@@ -91,9 +98,26 @@ class PathTracer {
     lanes_.keep(go_on);
     if (shadows_.rays.empty()) return;
     counts_[RayKind::shadow] += shadows_.rays.size;
-    const uint32_t blocked = any_hits(scene_, pose_, shadows_.rays);
+    const uint32_t blocked = is_by_medium_ ? find_really_blocked() : any_hits(scene_, pose_, shadows_.rays);
     for (size_t i = 0; i < shadows_.rays.size; ++i)
       if (!(blocked >> i & 1)) colors_[shadows_.places[i]] += lane_of(shadows_.colors, i);
+  }
+
+  /// Rays know what they are in, and so do the shadow rays of this step.
+  void keep_real(Hit* hits) {
+    MediaOfRays media{};
+    for (size_t lane = 0; lane < lanes_.rays.size; ++lane) {
+      const uint32_t place = lanes_.places[lane];
+      media[lane] = &paths_[place].media;
+      shadow_media_[place] = paths_[place].media;
+    }
+    keep_real_hits(context_, lanes_.rays, media, hits);
+  }
+
+  uint32_t find_really_blocked() const {
+    MediaOfRays media{};
+    for (size_t i = 0; i < shadows_.rays.size; ++i) media[i] = &shadow_media_[shadows_.places[i]];
+    return any_real_hits(context_, shadows_.rays, media, shadows_.rays.all());
   }
 
   /// A path's step by itself.
@@ -105,6 +129,8 @@ class PathTracer {
     Ray ray = lanes_.rays[lane];
     Surface surface;
     if (hit.is_hit()) surface = is_in_lanes_ ? lanes_.surfaces[lane] : eval_surface(scene_, pose_, ray, hit);
+    if (is_by_medium_ && hit.is_hit()) [[unlikely]]
+      lay_on_surface(scene_, surface);
     if (!visit(path, ray, hit, surface)) return false;
     set_lane(lanes_.throughput, lane, path.throughput);
     lanes_.pdf[lane] = path.pdf;
@@ -136,7 +162,7 @@ class PathTracer {
       if (step.is_diffuse >> lane & 1) path.spread = kDiffuseSpread;
       const bool is_transmitted = step.is_transmitted >> lane & 1;
       ++(is_transmitted ? path.transmissions : path.reflections);
-      if (is_transmitted && (lanes_.dielectrics >> lane & 1))
+      if (is_transmitted && (is_by_medium_ || (lanes_.dielectrics >> lane & 1)))
         path.media.cross(lanes_.surfaces.material[lane], lanes_.surfaces.is_front(lane));
     });
     const auto count = [](LaneSet set) { return static_cast<size_t>(std::popcount(set)); };
@@ -206,7 +232,10 @@ class PathTracer {
     if (next.spread == Lobe::Spread::diffuse) path.spread = kDiffuseSpread;
     if ((glm::dot(surface.geometric_normal, next.direction) > 0) == next.is_transmitted) return false;
     if (!survives(path, is_risky ? lobe.y : 0)) return false;
-    if (next.is_transmitted && is_dielectric) path.media.cross(surface.material, surface.is_front);
+    if (is_by_medium_) [[unlikely]]
+      leave(scene_, surface, next.direction, path.media);
+    else if (next.is_transmitted && is_dielectric)
+      path.media.cross(surface.material, surface.is_front);
     ++path.depth;
     ++(next.is_transmitted ? path.transmissions : path.reflections);
     ++(next.is_transmitted                    ? counts_[RayKind::transmitted]
@@ -271,6 +300,8 @@ class PathTracer {
     if (&followed != &lobes)
       color += path.throughput * (scattered.value - shared.value) * sample.incident / probability;
     const Vec3 origin = surface.ray_origin(sample.to_light);
+    if (is_by_medium_) [[unlikely]]
+      leave(scene_, surface, sample.to_light, shadow_media_[path.place]);
     shadows_.push_back(origin, sample.target - origin, color, path.place);
   }
 
@@ -289,7 +320,7 @@ class PathTracer {
   const Pose& pose_;
   const RenderSettings& settings_;
   const Sampler& sampler_;
-  bool is_in_lanes_;
+  bool is_in_lanes_, is_by_medium_;
   RayCounts& counts_;
   Color* colors_;  ///< of the eye rays
   size_t eye_hits_ = 0;
@@ -298,6 +329,7 @@ class PathTracer {
   OfPacket<Path> paths_;  ///< by place; throughput and pdf stand in lanes_
   PathLanes lanes_;       ///< in the order of the rays
   ShadowLanes shadows_;
+  std::array<Media, kMostPacketRays> shadow_media_;  ///< by place, where rays have to know
 };
 
 class PathIntegrator : public Integrator {
