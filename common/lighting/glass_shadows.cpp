@@ -26,7 +26,7 @@ Color light_through_glass(const FrameContext& context, Ray ray, bool is_blocked,
         media.cross(surface.material, surface.is_front);
     }
     if (by_medium) {
-      lay_on_surface(context.scene, surface);
+      surface = laid_on_surface(context.scene, surface);
       leave(context.scene, surface, ray.direction, media);
     }
     ray.origin = surface.ray_origin(ray.direction);

@@ -66,8 +66,9 @@ uint32_t any_real_hits(const FrameContext& context, const RayPacket& rays, const
   return blocked;
 }
 
-void lay_on_surface(const Scene& scene, Surface& surface) {
+Surface laid_on_surface(const Scene& scene, Surface surface) {
   if (!is_sheet(scene.materials[surface.material])) surface.offset = 0;
+  return surface;
 }
 
 void lay_on_surfaces(const Scene& scene, uint32_t met, Surfaces& surfaces) {
@@ -76,7 +77,7 @@ void lay_on_surfaces(const Scene& scene, uint32_t met, Surfaces& surfaces) {
   });
 }
 
-void leave(const Scene& scene, const Surface& surface, const Vec3& direction, Media& media) {
+void leave(const Scene& scene, Surface surface, const Vec3& direction, Media& media) {
   if (glm::dot(surface.geometric_normal, direction) >= 0) return;
   const bool is_body = surface.offset == 0;
   if (is_body || scene.materials[surface.material].kind == MaterialKind::dielectric)

@@ -35,13 +35,16 @@ void keep_real_hits(const FrameContext& context, const RayPacket& rays, const Me
 uint32_t any_real_hits(const FrameContext& context, const RayPacket& rays, const MediaOfRays& media,
                        uint32_t among);
 
+// Surfaces are handed over as copies: those whose address others have can't be kept in registers, though
+// these are seldom called.
+
 /// Rays leave bodies from exactly where they are hit.
-void lay_on_surface(const Scene& scene, Surface& surface);
+Surface laid_on_surface(const Scene& scene, Surface surface);
 /// The same of those surfaces of a packet that rays `met`.
 void lay_on_surfaces(const Scene& scene, uint32_t met, Surfaces& surfaces);
 
 /// The media of a ray that leaves a surface, which a ray in `media` met.
-void leave(const Scene& scene, const Surface& surface, const Vec3& direction, Media& media);
+void leave(const Scene& scene, Surface surface, const Vec3& direction, Media& media);
 
 /// What the eye is in: the bodies of which the ray through the picture's middle meets backs and, before, no
 /// fronts.

@@ -89,7 +89,7 @@ scene:
     const Hit hit = closest_hit(rays.compiled.scene, rays.pose, off);
     passed += hit.is_hit() && !eval_surface(rays.compiled.scene, rays.pose, off, hit).is_front ? 1 : 0;
     Media media;
-    lay_on_surface(rays.compiled.scene, surface);
+    surface = laid_on_surface(rays.compiled.scene, surface);
     leave(rays.compiled.scene, surface, direction, media);
     const auto [core, below] = rays.meet(surface.ray_origin(direction), direction, media);
     met += core == "core" && below.is_front ? 1 : 0;
@@ -112,7 +112,7 @@ scene:
   EXPECT_EQ(rays.meet({0, 0, 1}, {0, 0, -1}, {}).material, "paper");
   auto [paper, surface] = rays.meet({0, 0, -1}, {0, 0, 1}, {});
   EXPECT_EQ(paper, "paper");
-  lay_on_surface(rays.compiled.scene, surface);
+  surface = laid_on_surface(rays.compiled.scene, surface);
   EXPECT_GT(surface.offset, 0);
   Media media;
   leave(rays.compiled.scene, surface, {0, 0, 1}, media);
@@ -146,7 +146,7 @@ scene:
     auto [material, surface] = rays.meet(p, {0, 0, -1}, media);
     if (material.empty()) break;
     met.push_back(surface.p.z);
-    lay_on_surface(rays.compiled.scene, surface);
+    surface = laid_on_surface(rays.compiled.scene, surface);
     leave(rays.compiled.scene, surface, {0, 0, -1}, media);
     p = surface.p;
   }

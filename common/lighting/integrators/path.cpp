@@ -104,7 +104,7 @@ class PathTracer {
   }
 
   /// Rays know what they are in, and so do the shadow rays of this step.
-  void keep_real(Hit* hits) {
+  [[gnu::noinline]] void keep_real(Hit* hits) {
     MediaOfRays media{};
     for (size_t lane = 0; lane < lanes_.rays.size; ++lane) {
       const uint32_t place = lanes_.places[lane];
@@ -114,7 +114,7 @@ class PathTracer {
     keep_real_hits(context_, lanes_.rays, media, hits);
   }
 
-  uint32_t find_really_blocked() const {
+  [[gnu::noinline]] uint32_t find_really_blocked() const {
     MediaOfRays media{};
     for (size_t i = 0; i < shadows_.rays.size; ++i) media[i] = &shadow_media_[shadows_.places[i]];
     return any_real_hits(context_, shadows_.rays, media, shadows_.rays.all());
@@ -130,7 +130,7 @@ class PathTracer {
     Surface surface;
     if (hit.is_hit()) surface = is_in_lanes_ ? lanes_.surfaces[lane] : eval_surface(scene_, pose_, ray, hit);
     if (is_by_medium_ && hit.is_hit()) [[unlikely]]
-      lay_on_surface(scene_, surface);
+      surface = laid_on_surface(scene_, surface);
     if (!visit(path, ray, hit, surface)) return false;
     set_lane(lanes_.throughput, lane, path.throughput);
     lanes_.pdf[lane] = path.pdf;
