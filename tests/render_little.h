@@ -17,6 +17,7 @@ inline void render_little(const Scene& scene, int frame, int width_px, int heigh
     settings.reflected_rays = settings.transmitted_rays = 2;
     settings.glass_shadows = GlassShadows::transparent;
     settings.item_buffer = ItemBuffer::bound;
+    settings.self_hit = model == LightingModel::path ? SelfHit::medium : SelfHit::bound;
     settings.light_cells = 4;
     Renderer(scene, settings).render(frame, settings.crop, [] {});
   }

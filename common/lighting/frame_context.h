@@ -28,6 +28,7 @@ struct SamplingTables {
 constexpr double kDiffuseSpread = 0.1;
 
 class LightItems;
+class Media;
 class ZoneLight;
 
 struct FrameContext {
@@ -38,6 +39,7 @@ struct FrameContext {
   const Hit* eye_hits = nullptr;  ///< of the packet of eye rays, where an item buffer has found them
   const LightItems* light_items = nullptr;
   const ZoneLight* zones = nullptr;  ///< where light is kept in zones
+  const Media* eye_media = nullptr;  ///< that eye rays begin in, where they have to know; null: none
 };
 
 }  // namespace rayfarm

@@ -1,7 +1,7 @@
 #pragma once
-// The dielectrics that a ray is inside of. Where several overlap the one of the highest priority is there
-// (Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images"), so a liquid may reach into its
-// glass, and no gap is left between them.
+// The bodies that a ray is inside of: dielectrics, and all others where it has to know (self_hits.h). Where
+// several overlap the one of the highest priority is there (Schmidt and Budge 2002, "Simple nested
+// dielectrics in ray traced images"), so a liquid may reach into its glass, and no gap is left between them.
 #include "common/lighting/surface.h"
 #include "common/math/portable_math.h"
 
@@ -15,11 +15,12 @@ class Media {
     double index_ratio;  ///< behind over before
   };
 
-  /// The material that the ray is in, or kNone: air.
+  /// The dielectric that the ray is in, or kNone: air.
   uint32_t current(const Scene& scene) const {
     uint32_t best = kNone;
     for (size_t i = 0; i < count_; ++i)
-      if (best == kNone || scene.materials[inside_[i]].priority > scene.materials[best].priority)
+      if (scene.materials[inside_[i]].kind == MaterialKind::dielectric &&
+          (best == kNone || scene.materials[inside_[i]].priority > scene.materials[best].priority))
         best = inside_[i];
     return best;
   }
@@ -35,6 +36,12 @@ class Media {
   }
 
   bool is_in_air() const { return count_ == 0; }
+
+  /// The ray is inside of a body of the material.
+  bool contains(uint32_t material) const {
+    return std::find(inside_.begin(), inside_.begin() + static_cast<ptrdiff_t>(count_), material) !=
+           inside_.begin() + static_cast<ptrdiff_t>(count_);
+  }
 
   Crossing meet(const Scene& scene, uint32_t material, bool is_front) const {
     Media behind = *this;
@@ -66,11 +73,6 @@ class Media {
   }
 
  private:
-  bool contains(uint32_t material) const {
-    return std::find(inside_.begin(), inside_.begin() + static_cast<ptrdiff_t>(count_), material) !=
-           inside_.begin() + static_cast<ptrdiff_t>(count_);
-  }
-
   std::array<uint32_t, 8> inside_;  // set as far as it is used: rays are made often
   uint32_t count_ = 0;
 };

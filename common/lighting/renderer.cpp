@@ -2,6 +2,7 @@
 
 #include "common/image/film.h"
 #include "common/lighting/eye_rays.h"
+#include "common/lighting/self_hits.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
@@ -64,6 +65,7 @@ class Renderer::Rendering {
         eye_items_(renderer.eye_items_ ? &*renderer.eye_items_ : nullptr),
         light_items_(renderer.light_items_ ? &*renderer.light_items_ : nullptr),
         zones_(renderer.zones_),
+        eye_media_(renderer.eye_media_),
         rect_(rect),
         pulse_(pulse),
         film_(rect, make_pixel_layout(settings_.pixel_format)) {}
@@ -107,7 +109,7 @@ class Renderer::Rendering {
       Color* const channels = is_first ? colors : more.data();
       counted.eye_hits += integrator_.trace(
           {pass.scene(), moment.pose, tables_, moment.camera.spread(), eye_items_ ? eye_hits.data() : nullptr,
-           light_items_, zones_.empty() ? nullptr : &zones_[pass_index]},
+           light_items_, zones_.empty() ? nullptr : &zones_[pass_index], eye_media_of(moment)},
           rays, ids, counted.counts, channels);
       if (pass.pass().is_rgb) break;
       for (size_t i = 0; i < rays.size; ++i) {
@@ -119,6 +121,10 @@ class Renderer::Rendering {
     if (rays_since_pulse_ < kRaysPerPulse) return;
     rays_since_pulse_ = 0;
     pulse_();
+  }
+
+  const Media* eye_media_of(const Moment& moment) const {
+    return eye_media_.empty() ? nullptr : &eye_media_[static_cast<size_t>(&moment - moments_.data())];
   }
 
   /// The rays of a packet whose size is set.
@@ -323,6 +329,7 @@ class Renderer::Rendering {
   EyeItems* eye_items_;            ///< null: none
   const LightItems* light_items_;  ///< null: none
   std::span<const ZoneLight> zones_;
+  const std::vector<Media>& eye_media_;
   PixelRect rect_;
   const std::function<void()>& pulse_;
   Film film_;
@@ -372,8 +379,14 @@ void Renderer::set_frame(int frame) {
   light_items_.reset();
   if (settings_.item_buffer != ItemBuffer::none && has_one_eye(scene_, settings_))
     eye_items_.emplace(scene_, now_.front().pose, now_.front().camera, settings_);
-  if (settings_.light_cells > 0 && !follows_paths(settings_.lighting) && now_.size() == 1)
+  if (settings_.light_cells > 0 && !follows_paths(settings_.lighting) &&
+      settings_.self_hit == SelfHit::bound && now_.size() == 1)
     light_items_.emplace(shining, now_.front().pose, settings_.light_cells);
+  eye_media_.clear();
+  if (settings_.self_hit == SelfHit::medium)
+    for (const Moment& moment : now_)
+      eye_media_.push_back(find_eye_media(
+          scene_, moment.pose, moment.camera.ray(0.5 * settings_.width_px, 0.5 * settings_.height_px)));
   frame_ = frame;
 }
 

@@ -7,6 +7,7 @@
 #include "common/lighting/coloured_scene.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/item_buffers.h"
+#include "common/lighting/media.h"
 #include "common/lighting/moments.h"
 #include "common/lighting/small_objects.h"
 #include "common/lighting/zones/zone_light.h"
@@ -61,6 +62,7 @@ class Renderer {
   std::vector<SmallObject> small_objects_;
   std::optional<EyeItems> eye_items_;
   std::optional<LightItems> light_items_;
+  std::vector<Media> eye_media_;  ///< by moment, where rays have to know what they are in
 };
 
 }  // namespace rayfarm

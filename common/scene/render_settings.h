@@ -68,6 +68,13 @@ inline constexpr double kLeastItemRadius_px = 0.75, kMostItemRadius_px = 8;
 /// Along a side of a light's map of items.
 inline constexpr uint32_t kLeastLightCells = 2, kMostLightCells = 3344;
 
+/// How a ray is kept from hitting the surface that it leaves.
+enum class SelfHit : uint8_t {
+  bound,  ///< it starts off the surface by a bound on the rounding error of where that was hit
+  medium  ///< it can't hit a side on which there is not what it is in (Shirley, Sung and Brown 1991, 3.1)
+};
+inline constexpr std::array kSelfHitWords{"bound", "medium"};
+
 /// What weighs ambient light (thesis 2.2.2).
 enum class AmbientColour : uint8_t { surface, light };
 
@@ -108,6 +115,7 @@ struct RenderSettings {
   uint32_t reflected_rays = 1, transmitted_rays = 1;
   GlassShadows glass_shadows = GlassShadows::blocked;
   AmbientColour ambient_colour = AmbientColour::surface;
+  SelfHit self_hit = SelfHit::bound;
   bool diffuse_jitter = false;  ///< each diffuse ray anywhere in its part of a band, not in its middle
   DiffuseBands diffuse_bands = DiffuseBands::flux;
   DiffuseSet diffuse_set = DiffuseSet::turned;
@@ -128,7 +136,7 @@ struct RenderSettings {
     archive(max_reflections, max_transmissions, max_depth, min_weight);
     archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
     archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);
-    archive(item_buffer, item_radius_px, light_cells, zones);
+    archive(item_buffer, item_radius_px, light_cells, self_hit, zones);
     diffuse_jitter = jitter != 0;
     // A count off the wire asks for no more memory than is allowed; one too large is refused by the checks.
     auto nodes = static_cast<uint32_t>(colour_nodes_nm.size());

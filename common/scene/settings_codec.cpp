@@ -18,7 +18,8 @@ void check_settings(const RenderSettings& settings) {
       settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral ||
       settings.glass_shadows > GlassShadows::none || settings.ambient_colour > AmbientColour::light ||
       settings.pixel_format > PixelFormat::float32 || settings.diffuse_bands > DiffuseBands::cone ||
-      settings.diffuse_set > DiffuseSet::fixed || settings.item_buffer > ItemBuffer::checked)
+      settings.diffuse_set > DiffuseSet::fixed || settings.item_buffer > ItemBuffer::checked ||
+      settings.self_hit > SelfHit::medium)
     throw SettingsError("a choice among the settings does not exist");
   if (!settings.colour_nodes_nm.empty() &&
       (settings.colour != ColourModel::spectral || !are_colour_nodes(settings.colour_nodes_nm)))

@@ -95,7 +95,7 @@ class Options {
   std::string group_ = "Options";
 };
 
-/// Words as choices, in the order of their values.
+/// What Options::choice takes of an enumeration whose words stand in the order of its values.
 template <typename Value, size_t count>
 std::vector<std::pair<std::string, Value>> choices(const std::array<const char*, count>& words) {
   std::vector<std::pair<std::string, Value>> choices;

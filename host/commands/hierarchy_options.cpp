@@ -1,6 +1,7 @@
 #include "host/commands/hierarchy_options.h"
 
 namespace rayfarm {
+
 void add_hierarchy_options(Options& options, BuildOptions& build) {
   options.choice<Hierarchy>(
       "--hierarchy", build.hierarchy, choices<Hierarchy>(kHierarchyWords),

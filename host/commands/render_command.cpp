@@ -137,6 +137,10 @@ void add_light(Options& options, RenderOptions& o) {
       "tree)");
   options.number("--min-weight", o.settings.min_weight, 0, 1,
                  "do not trace rays that would contribute less (0: no cut-off; default: 1e-6)");
+  options.choice<SelfHit>("--self-hit", o.settings.self_hit, choices<SelfHit>(kSelfHitWords),
+                          "what keeps rays from the surface that they leave: they start off it by a bound on "
+                          "rounding, or exactly on it, and can't hit a side on which there is not the medium "
+                          "that they are in, as closed bodies let them (default: bound)");
 }
 
 void add_sampling(Options& options, RenderOptions& o) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/lighting/item_buffers.h"
+#include "common/lighting/self_hits.h"
 #include "common/scene/settings_codec.h"
 #include "host/instrument/missing_subpolygons.h"
 #include "host/process/exit_code.h"
@@ -150,6 +151,10 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
         "--light-buffer does nothing in --lighting path, radiosity and zonal, whose shadow rays go to a "
         "source at "
         "random");
+  if (s.light_cells > 0 && !follows_paths(s.lighting) && s.self_hit == SelfHit::medium)
+    notes.emplace_back(
+        "--light-buffer does nothing with --self-hit medium: what is seen from a light says nothing of what "
+        "its shadow rays are in");
   if (options.local_nodes > 0 && !is_one_process)
     notes.emplace_back("--local-nodes does nothing under mpirun: every rank but the host is a node");
   return notes;
@@ -182,6 +187,32 @@ std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneD
   if (s.glass_shadows != GlassShadows::blocked && !follows_paths(s.lighting) &&
       !have([](const Material& m) { return m.transmit > 0; }))
     notes.emplace_back("--glass-shadows does nothing here: no material transmits light");
+  return notes;
+}
+
+std::vector<std::string> name_open_objects(const RenderSettings& settings, const SceneDescription& scene,
+                                           std::span<const uint32_t> open) {
+  std::vector<std::string> notes;
+  if (settings.self_hit != SelfHit::medium) return notes;
+  if (!open.empty()) {
+    const ObjectDescription& first = scene.objects[open.front()];
+    notes.push_back(fmt::format(
+        "--self-hit medium: {} of {} objects hold{} polygons or quadrics that enclose nothing ({}'{}'): what "
+        "is not closed is seen from its front alone, and lets light through from its back; --self-hit bound "
+        "has no such limit",
+        open.size(), scene.objects.size(), open.size() == 1 ? "s" : "",
+        open.size() == 1 ? "" : "the first is ",
+        first.name.empty() ? to_string(scene.source(first.place)) : first.name));
+  }
+  std::string sheets;
+  for (const MaterialDescription& material : scene.materials)
+    if (is_sheet(material)) sheets += fmt::format("{}'{}'", sheets.empty() ? "" : ", ", material.name);
+  if (!sheets.empty())
+    notes.push_back(
+        fmt::format("--self-hit medium: translucent sheets and mixes of materials have no one inside; rays "
+                    "leave these by "
+                    "a bound on rounding, as with --self-hit bound: {}",
+                    sheets));
   return notes;
 }
 

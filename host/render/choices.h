@@ -30,6 +30,11 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
 /// Names those that could do something, but not in this scene.
 std::vector<std::string> name_idle_options(const RenderSettings& settings, const SceneDescription& scene);
 
+/// What in the scene does not hold to what SelfHit::medium asks for: closed bodies. `open_objects`: see
+/// find_open_objects.
+std::vector<std::string> name_open_objects(const RenderSettings& settings, const SceneDescription& scene,
+                                           std::span<const uint32_t> open_objects);
+
 /// Why item buffers that were asked for do nothing, or not for all lights.
 std::vector<std::string> name_idle_items(const RenderSettings& settings, const Scene& scene);
 

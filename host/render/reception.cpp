@@ -3,6 +3,7 @@
 #include <chrono>
 #include <future>
 
+#include "common/description/open_objects.h"
 #include "protocol/clock.h"
 
 namespace rayfarm {
@@ -17,9 +18,9 @@ constexpr double kLongReading_s = 1;
 /// A scene that is being loaded by another thread; stops it when it is no longer wanted.
 class SceneLoading {
  public:
-  SceneLoading(const std::string& path, const BuildOptions& build)
-      : future_(std::async(std::launch::async | std::launch::deferred, load, path, build, &reading_,
-                           &building_, stop_.get_token())) {}
+  explicit SceneLoading(const RenderOptions& options)
+      : future_(std::async(std::launch::async | std::launch::deferred, load, options.scene, options.build,
+                           options.settings.self_hit, &reading_, &building_, stop_.get_token())) {}
   ~SceneLoading() { stop_.request_stop(); }
   SceneLoading(const SceneLoading&) = delete;
   SceneLoading& operator=(const SceneLoading&) = delete;
@@ -32,8 +33,8 @@ class SceneLoading {
   const BuildProgress& building() const { return building_; }
 
  private:
-  static LoadedScene load(const std::string& path, BuildOptions build, ReadProgress* reading,
-                          BuildProgress* building, std::stop_token stop) {
+  static LoadedScene load(const std::string& path, BuildOptions build, SelfHit self_hit,
+                          ReadProgress* reading, BuildProgress* building, std::stop_token stop) {
     LoadedScene loaded;
     const double begin = now_s();
     loaded.description = load_scene(path, stop, reading);
@@ -42,6 +43,7 @@ class SceneLoading {
     build.stop = std::move(stop);
     loaded.compiled = compile(loaded.description, build);
     loaded.build_s = now_s() - begin - loaded.load_s;
+    if (self_hit == SelfHit::medium) loaded.open_objects = find_open_objects(loaded.description);
     for (ObjectDescription& object : loaded.description.objects) object.primitives = {};  // they are compiled
     return loaded;
   }
@@ -55,7 +57,7 @@ class SceneLoading {
 }  // namespace
 
 LoadedScene load_while_nodes_report(const RenderOptions& options, RollCall& roll_call) {
-  SceneLoading loading(options.scene, options.build);
+  SceneLoading loading(options);
   Progress progress(options.is_quiet ? ProgressStyle::none : options.progress);
   std::optional<LoadedScene> loaded;
   const double begin = now_s();

@@ -9,6 +9,7 @@ namespace rayfarm {
 struct LoadedScene {
   SceneDescription description;
   CompiledScene compiled;
+  std::vector<uint32_t> open_objects;  ///< where rays have to know what they are in
   double load_s = 0, build_s = 0;
 };
 

@@ -121,6 +121,8 @@ class Render {
 
     const RenderSettings settings = choose_settings(options_, loaded_->description);
     for (const std::string& note : name_idle_options(settings, loaded_->description)) log_->warn(note);
+    for (const std::string& note : name_open_objects(settings, loaded_->description, loaded_->open_objects))
+      log_->warn(note);
     for (const std::string& note : name_idle_shading(settings, loaded_->compiled.scene)) log_->warn(note);
     for (const std::string& note : name_idle_items(settings, loaded_->compiled.scene)) log_->warn(note);
     for (const std::string& note : name_idle_spectra(settings, loaded_->compiled.scene)) log_->warn(note);

@@ -224,6 +224,7 @@ void read_images(const Folder& folder, const std::string& bytes) {
 std::vector<std::string> settings_seeds() {
   RenderSettings spectral;
   spectral.item_buffer = ItemBuffer::checked;
+  spectral.self_hit = SelfHit::medium;
   spectral.colour = ColourModel::spectral;
   spectral.colour_nodes_nm = {400, 500, 600, 700};
   return {text_of(encode_settings(RenderSettings())), text_of(encode_settings(spectral))};

@@ -191,6 +191,20 @@ class Usage(JobTest):
         self.expect(0, "render", lamp, "-o", out, "--light-buffer", "8", "--item-buffer", "bound", "--shutter", "0.5", *small,
                     says=["--item-buffer does nothing here", "--light-buffer does nothing here"])
 
+    def test_rays_that_know_their_medium_ask_for_closed_bodies(self):
+        """Shirley, Sung and Brown 1991, 3.1: "we need to maintain an outward facing normal"."""
+        small = ("--size", "16x12", "--progress", "none", "-o", self.folder / "a.png")
+        self.expect(2, "render", SCENE, *small, "--self-hit", "epsilon", says=["--self-hit", "bound", "medium"])
+        open_scene = self.write("open.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nlights: [{position: [1, 2, 9]}]\n"
+                                "materials: {wall: {color: 0.5}, paper: {translucent: {front: 0.5, through: 0.4}}}\nobjects:\n"
+                                "  ball: [{material: wall, sphere: {center: [0, 0, 0], radius: 1}}]\n"
+                                "  sheet: [{material: paper, polygon: {points: [[0, 0, 2], [1, 0, 2], [0, 1, 2]]}}]\n"
+                                "  floor: [{material: wall, polygon: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}}]\n"
+                                "scene: [{use: ball}, {use: sheet}, {use: floor}]\n")
+        self.expect(0, "render", open_scene, *small, "--self-hit", "medium", "--light-buffer", "8",
+                    says=["('floor')", "front alone", "by a bound on rounding", "'paper'", "--light-buffer does nothing with --self-hit medium"])
+        self.assertNotIn("self-hit", self.expect(0, "render", open_scene, *small).stderr)
+
     def test_impossible_material(self):
         scene = self.write("impossible.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {m: {lambertian: 1.5}}\nscene: []\n")
         self.expect(3, "render", scene, "-o", self.folder / "a.png", says=["impossible.yaml:2:", "1.5 times the light"])

@@ -283,6 +283,14 @@ TEST(PathLanes, LimitsOfReflectionsAndTransmissions) {
   });
 }
 
+TEST(PathLanes, RaysThatKnowWhatTheyAreIn) {
+  test::on_every_target([] {
+    RenderSettings settings = settings_of(7);
+    settings.self_hit = SelfHit::medium;
+    compare(scene_with(kAllLights, kAllLamps), settings, "no bound on rounding");
+  });
+}
+
 TEST(PathLanes, OtherPatternsThanSobols) {
   test::on_every_target([] {
     RenderSettings settings = settings_of(5);

@@ -146,13 +146,32 @@ void send_light(const FrameContext& context, uint32_t number, uint32_t wanted, c
   }
 }
 
+Media media_before(const ClassicalSurfaces& surfaces, size_t i) {
+  return surfaces.media[i] ? *surfaces.media[i] : Media();
+}
+
+/// As find_blocked, of rays that know what they are in.
+uint32_t find_really_blocked(const FrameContext& context, const ClassicalSurfaces& surfaces,
+                             const RayPacket& rays, uint32_t among) {
+  std::array<Media, kMostPacketRays> media;
+  MediaOfRays of_rays{};
+  for_each_lane(among, [&](size_t i) {
+    media[i] = media_before(surfaces, i);
+    leave(context.scene, surfaces.at[i], rays.direction(i), media[i]);
+    of_rays[i] = &media[i];
+  });
+  return any_real_hits(context, rays, of_rays, among);
+}
+
 /// Weakens what comes through glass; returns the surfaces that light reaches of those that face it.
 uint32_t lit_through_glass(const FrameContext& context, const ClassicalSurfaces& surfaces, uint32_t facing,
                            uint32_t blocked, Incoming& in) {
   uint32_t lit = facing;
   for_each_lane(facing, [&](size_t i) {
-    const Color left = light_through_glass(context, in.shadow_rays[i], blocked >> i & 1,
-                                           surfaces.media[i] ? *surfaces.media[i] : Media());
+    Media media = media_before(surfaces, i);
+    if (is_by_medium(context)) [[unlikely]]
+      leave(context.scene, surfaces.at[i], in.shadow_rays.direction(i), media);
+    const Color left = light_through_glass(context, in.shadow_rays[i], blocked >> i & 1, media);
     if (left == Color(0)) lit &= ~(1u << i);
     set_lane(in.light, i, lane_of(in.light, i) * left);
   });
@@ -216,7 +235,9 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     const uint32_t facing = HWY_DYNAMIC_DISPATCH(face_light)(surfaces.at, in) & wanted;
     if (!facing) continue;
     counts[RayKind::shadow] += static_cast<uint64_t>(std::popcount(facing));
-    const uint32_t blocked = find_blocked(context, number, in.shadow_rays, facing, counts);
+    const uint32_t blocked = is_by_medium(context)
+                                 ? find_really_blocked(context, surfaces, in.shadow_rays, facing)
+                                 : find_blocked(context, number, in.shadow_rays, facing, counts);
     const uint32_t lit =
         is_glass_crossed ? lit_through_glass(context, surfaces, facing, blocked, in) : facing & ~blocked;
     if (!lit) continue;

@@ -6,6 +6,7 @@
 #include "common/lighting/light_sampling.h"
 #include "common/lighting/media.h"
 #include "common/lighting/ray_counts.h"
+#include "common/lighting/self_hits.h"
 #include "common/lighting/surfaces.h"
 #include "common/lighting/textured.h"
 
@@ -16,9 +17,10 @@ struct ClassicalSurfaces {
   ClassicalSurfaces() {}  // leaves the lanes as they are
   /// Rays and hits must outlive it.
   ClassicalSurfaces(const FrameContext& context, const RayPacket& of_rays, const Hit* of_hits)
-      : rays(&of_rays),
-        hits(of_hits),
-        met(eval_surfaces(context.scene, context.pose, of_rays, of_hits, at)) {}
+      : rays(&of_rays), hits(of_hits), met(eval_surfaces(context.scene, context.pose, of_rays, of_hits, at)) {
+    if (is_by_medium(context)) [[unlikely]]
+      lay_on_surfaces(context.scene, met, at);
+  }
 
   const RayPacket* rays;
   const Hit* hits;

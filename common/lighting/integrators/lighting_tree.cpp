@@ -37,13 +37,18 @@ SecondaryRays secondary_rays(const ClassicalSurfaces& surfaces, size_t i, const 
   return rays;
 }
 
-OfPacket<Branch>& LightingTree::plant(std::span<const SampleId> ids, double spread, Color* colors) {
+OfPacket<Branch>& LightingTree::plant(const FrameContext& context, std::span<const SampleId> ids,
+                                      Color* colors) {
   while (Batch* const left = next_batch()) end(*left);  // of rays whose tracing ended in an exception
   forks_.clear();
   colors_ = colors;
   eye_branches_.clear();
   depths_.fill(1);
-  for (size_t i = 0; i < ids.size(); ++i) eye_branches_.emplace_back(ids[i], i, spread);
+  for (size_t i = 0; i < ids.size(); ++i) {
+    Branch& branch = eye_branches_.emplace_back(ids[i], i, context.spread);
+    if (context.eye_media) [[unlikely]]
+      branch.media = *context.eye_media;
+  }
   return eye_branches_;
 }
 
@@ -68,6 +73,8 @@ void LightingTree::grow_lobe(const FrameContext& context, Receiver receiver, con
     branch.receiver = to;
     branch.receiver.share = lobe.share;
     cross(branch);
+    if (is_by_medium(context)) [[unlikely]]
+      leave(context.scene, surfaces.at[i], direction, branch.media);
   };
   if (lobe.rays == 1) return grow_one(lobe.axis, 0, receiver);
   const auto stream = static_cast<uint32_t>(mix_bits(uint64_t{from.stream} << 32 | lobe.child));
@@ -93,14 +100,14 @@ void LightingTree::grow_secondary(const FrameContext& context, uint32_t fork, co
   forks_[fork].pending += (rays.transmitted_rays > 0 ? 1 : 0) + (rays.reflected_rays > 0 ? 1 : 0);
   if (rays.transmitted_rays > 0) {
     const bool is_lit_through = context.tables.settings.glass_shadows != GlassShadows::blocked;
-    const bool is_dielectric = surfaces.materials[i]->kind == MaterialKind::dielectric;
+    const bool is_crossed = surfaces.materials[i]->kind == MaterialKind::dielectric && !is_by_medium(context);
     grow_lobe(context, {Receiver::Kind::transmitted, fork}, from, surfaces, i,
               {rays.transmitted_rays, rays.transmitted,
                rays.transmit / static_cast<double>(rays.transmitted_rays), kTransmitted},
               transmitted, [&](Branch& branch) {
                 ++branch.transmissions;
                 branch.skips_sources = branch.skips_sources && is_lit_through;
-                if (is_dielectric) branch.media.cross(surfaces.at.material[i], surfaces.at.is_front(i));
+                if (is_crossed) branch.media.cross(surfaces.at.material[i], surfaces.at.is_front(i));
               });
   }
   if (rays.reflected_rays > 0)

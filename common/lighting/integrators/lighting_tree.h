@@ -11,6 +11,7 @@
 
 #include "common/lighting/integrators/classical_surfaces.h"
 #include "common/lighting/integrators/pool.h"
+#include "common/lighting/self_hits.h"
 
 namespace rayfarm {
 
@@ -71,6 +72,13 @@ struct Fork {
 };
 static_assert(std::is_trivially_copyable_v<Fork>);
 
+/// What rays are in.
+inline MediaOfRays media_of(const OfPacket<Branch>& branches) {
+  MediaOfRays media{};
+  for (size_t i = 0; i < branches.size(); ++i) media[i] = &branches[i].media;
+  return media;
+}
+
 /// Rays of one depth to trace.
 struct Batch {
   uint32_t depth;
@@ -98,7 +106,7 @@ class LightingTree {
  public:
   /// Begins anew with eye rays, of depth 1, and returns their branches; `colors` are set as what they see is
   /// known.
-  OfPacket<Branch>& plant(std::span<const SampleId> ids, double spread, Color* colors);
+  OfPacket<Branch>& plant(const FrameContext& context, std::span<const SampleId> ids, Color* colors);
 
   /// A ray of this depth leaves the branch.
   void reach(const Branch& from, uint32_t depth) {

@@ -5,6 +5,7 @@
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/participating_media.h"
+#include "common/lighting/self_hits.h"
 
 namespace rayfarm {
 namespace {
@@ -19,13 +20,19 @@ class LocalIntegrator : public Integrator {
     counts[RayTally::tree_depth] += rays.size;
     OfPacket<Hit> hits;
     find_eye_hits(context, rays, hits.data());
+    if (is_by_medium(context)) [[unlikely]] {
+      const Media none{};
+      MediaOfRays media;
+      media.fill(context.eye_media ? context.eye_media : &none);
+      keep_real_hits(context, rays, media, hits.data());
+    }
     ClassicalSurfaces surfaces(context, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       if (!hits[i].is_hit()) {
         colors[i] = eval_background(context.scene, rays.direction(i));
         continue;
       }
-      surfaces.begin(context, i, hits[i].t * context.spread, ids[i], 0);
+      surfaces.begin(context, i, hits[i].t * context.spread, ids[i], 0, context.eye_media);
       surfaces.add_ambient_and_emission(context, i);
     }
     add_direct_light(context, highlights_, surfaces, counts);

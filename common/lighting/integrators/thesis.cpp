@@ -84,7 +84,7 @@ class ThesisTracer {
   size_t trace(const RayPacket& rays, std::span<const SampleId> ids, Color* colors) {
     gatherings_.clear();
     ready_.clear();
-    const size_t eye_hits = trace(1, rays, tree_.plant(ids, context_.spread, colors));
+    const size_t eye_hits = trace(1, rays, tree_.plant(context_, ids, colors));
     while (true) {
       if (!ready_.empty()) {
         const uint32_t next = ready_.back();
@@ -108,6 +108,8 @@ class ThesisTracer {
       find_eye_hits(context_, rays, hits.data());
     else
       closest_hits(scene_, context_.pose, rays, hits.data());
+    if (is_by_medium(context_)) [[unlikely]]
+      keep_real_hits(context_, rays, media_of(branches), hits.data());
     ClassicalSurfaces surfaces(context_, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       Branch& branch = branches[i];
@@ -338,6 +340,8 @@ class ThesisTracer {
                            max_component(share), serves_both ? LightingTree::kReflected : child, batch);
     branch.receiver = {Receiver::Kind::own, place, static_cast<uint32_t>(ray)};
     branch.skips_sources = true;
+    if (is_by_medium(context_)) [[unlikely]]
+      leave(scene_, gathering.surface, direction, branch.media);
     ++branch.reflections;
     if (!serves_both) branch.spread = kDiffuseSpread;
     ++counts_[serves_both ? RayKind::reflected : RayKind::diffuse];

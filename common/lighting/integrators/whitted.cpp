@@ -12,7 +12,7 @@ class WhittedIntegrator : public Integrator {
  private:
   size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
-    const size_t eye_hits = trace(context, 1, rays, tree_.plant(ids, context.spread, colors), counts);
+    const size_t eye_hits = trace(context, 1, rays, tree_.plant(context, ids, colors), counts);
     while (Batch* const batch = tree_.next_batch()) {
       trace(context, batch->depth, batch->rays, batch->branches, counts);
       LightingTree::end(*batch);
@@ -29,6 +29,8 @@ class WhittedIntegrator : public Integrator {
       find_eye_hits(context, rays, hits.data());
     else
       closest_hits(context.scene, context.pose, rays, hits.data());
+    if (is_by_medium(context)) [[unlikely]]
+      keep_real_hits(context, rays, media_of(branches), hits.data());
     ClassicalSurfaces surfaces(context, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       Branch& branch = branches[i];
