@@ -136,6 +136,14 @@ void add_light(Options& options, RenderOptions& o) {
                  "do not trace rays that would contribute less (0: no cut-off; default: 1e-6)");
 }
 
+void add_zones(Options& options, RenderOptions& o) {
+  options.begin_group("Zones");
+  options.text("--zones", o.zones_file,
+               "models with zones: the file in which their light is kept; if it is there nothing is computed "
+               "again; #### becomes the frame number",
+               "FILE");
+}
+
 void add_sampling(Options& options, RenderOptions& o) {
   options.begin_group("Sampling");
   options.number("--samples,--spp", o.settings.samples, 1, 1 << 20, "rays per pixel (default: 1)");
@@ -240,6 +248,9 @@ void check_output(const RenderOptions& o) {
   if (has_frame_pattern(std::filesystem::path(o.output).parent_path().string()))
     throw UsageError(
         fmt::format("-o {}: the #### must stand in the file's name, not in its folder's", o.output));
+  if (has_frame_pattern(std::filesystem::path(o.zones_file).parent_path().string()))
+    throw UsageError(
+        fmt::format("--zones {}: the #### must stand in the file's name, not in its folder's", o.zones_file));
   if (o.frames.empty()) return;
   std::vector<FrameNumber> frames;
   try {
@@ -337,6 +348,7 @@ void add_render_command(CommandLine& line) {
   options.text("SCENE", o->scene, ".yaml, .nff or .rfp").required();
   add_picture(options, *o);
   add_light(options, *o);
+  add_zones(options, *o);
   add_sampling(options, *o);
   options.begin_group("Hierarchy");
   add_hierarchy_options(options, o->build);
