@@ -11,11 +11,10 @@ class PictureTracer : public PictureWorker {
   PictureTracer(const RenderSettings& settings, std::span<const std::byte> block)
       : renderer_(decode_scene(block), settings) {}
 
-  void set_zones(std::span<const std::byte>) override {
-    throw ProtocolError("no lighting model of this build reads zones");
-  }
+  void set_zones(std::span<const std::byte> solution) override { zones_ = solution; }
 
   ItemResult work(FrameNumber frame, const DisplayPolygon& p, const std::function<void()>& pulse) override {
+    if (!zones_.empty()) renderer_.set_zones(frame.value(), std::exchange(zones_, {}));
     RenderedPixels rendered =
         renderer_.render(frame.value(), {p.left, p.top, p.right + 1, p.bottom + 1}, pulse);
     return {std::move(rendered.pixels), rendered.counts, rendered.eye_hits > 0, rendered.not_finite};
@@ -23,6 +22,7 @@ class PictureTracer : public PictureWorker {
 
  private:
   Renderer renderer_;
+  std::span<const std::byte> zones_;  ///< of the pose of the frames to come, if that is news
 };
 
 }  // namespace

@@ -247,6 +247,9 @@ void check_output(const RenderOptions& o) {
   if (has_frame_pattern(std::filesystem::path(o.output).parent_path().string()))
     throw UsageError(
         fmt::format("-o {}: the #### must stand in the file's name, not in its folder's", o.output));
+  if (has_frame_pattern(std::filesystem::path(o.zones_file).parent_path().string()))
+    throw UsageError(
+        fmt::format("--zones {}: the #### must stand in the file's name, not in its folder's", o.zones_file));
   if (o.frames.empty()) return;
   std::vector<FrameNumber> frames;
   try {
@@ -345,7 +348,7 @@ void add_render_command(CommandLine& line) {
   options.text("SCENE", o->scene, ".yaml, .nff or .rfp").required();
   add_picture(options, *o);
   add_light(options, *o);
-  add_zone_options(options, o->settings.zones);
+  add_zone_options(options, *o);
   add_sampling(options, *o);
   options.begin_group("Hierarchy");
   add_hierarchy_options(options, o->build);

@@ -2,7 +2,8 @@
 
 namespace rayfarm {
 
-void add_zone_options(Options& options, ZoneSettings& zones) {
+void add_zone_options(Options& options, RenderOptions& o) {
+  ZoneSettings& zones = o.settings.zones;
   options.begin_group("Zones (--lighting radiosity and zonal)");
   options.number(
       "--zone-size", zones.size, 1e-12, 1e12,
@@ -30,6 +31,10 @@ void add_zone_options(Options& options, ZoneSettings& zones) {
                               "(default: rays)");
   options.number("--hemicube", zones.hemicube_cells, 2, 4096,
                  "radiosity: pixels along an edge of the hemicube's top (default: 64)");
+  options.text("--zones", o.zones_file,
+               "the file in which the light of zones is kept; if it is there nothing is computed again; #### "
+               "becomes the frame number",
+               "FILE");
   options.number("--zone-memory", zones.most_GiB, 0.001, 1024,
                  "GiB that zones may take in a process (default: 4)");
 }

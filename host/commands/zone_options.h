@@ -1,10 +1,10 @@
 #pragma once
 // How zones are cut, solved and shown: the --zone options.
-#include "common/scene/zone_settings.h"
 #include "host/commands/command_line.h"
+#include "host/render/render_options.h"
 
 namespace rayfarm {
 
-void add_zone_options(Options& options, ZoneSettings& zones);
+void add_zone_options(Options& options, RenderOptions& o);
 
 }  // namespace rayfarm

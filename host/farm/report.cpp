@@ -33,6 +33,20 @@ std::string format_items(const RayCounts& rays) {
   return text;
 }
 
+/// What was done for zones; empty if nothing was.
+std::string format_zones(const ZonesResult& zones) {
+  std::string text;
+  if (zones.stages > 0)
+    text = fmt::format("zones    {} stage{}, {} round{}, {} in {:.2f} s; {} to nodes, {} back\n",
+                       zones.stages, zones.stages == 1 ? "" : "s", zones.rounds, zones.rounds == 1 ? "" : "s",
+                       format_rate(static_cast<double>(zones.rays.total()), "rays"), zones.seconds,
+                       format_rate(static_cast<double>(zones.data_bytes + zones.assignment_bytes), "bytes"),
+                       format_rate(static_cast<double>(zones.result_bytes), "bytes"));
+  if (zones.read > 0)
+    text += fmt::format("zones    of {} pose{} from files\n", zones.read, zones.read == 1 ? "" : "s");
+  return text;
+}
+
 }  // namespace
 
 std::string format_report(const JobResult& result, const TrafficMeter& meter) {
@@ -61,9 +75,9 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
                    format_count(static_cast<double>(result.rays.by_kind[i])));
     separator = ", ";
   }
-  fmt::format_to(out, "\n{}speed    {} on {} node{}\n", format_items(result.rays),
-                 format_rate(t.trace_s > 0 ? rays / t.trace_s : 0, "rays/s"), result.nodes.size(),
-                 result.nodes.size() == 1 ? "" : "s");
+  fmt::format_to(out, "\n{}{}speed    {} on {} node{}\n", format_zones(result.zones),
+                 format_items(result.rays), format_rate(t.trace_s > 0 ? rays / t.trace_s : 0, "rays/s"),
+                 result.nodes.size(), result.nodes.size() == 1 ? "" : "s");
   fmt::format_to(out, "net      {:.2f} bytes per pixel in results; the thesis's model: {:.0f}\n",
                  bytes_per_received_pixel(result, meter), kModelBytesPerPixel);
   constexpr size_t kMostLosses = 3;
@@ -111,6 +125,12 @@ std::string format_full_report(const JobResult& result, const TrafficMeter& mete
   for (const NodeResult& n : result.nodes)
     fmt::format_to(out, "{:>4}   {:>11}  {:>12}  {:>6.2f} s  {:>6.2f} s  {}{}\n", n.id.value(), n.subpolygons,
                    n.rays, n.busy_s, result.idle_s(n), n.machine, n.is_lost ? "  LOST" : "");
+  if (result.zones.stages > 0) {
+    fmt::format_to(out, "zones  {} results of items; {} items failed and were tried again; busy:",
+                   result.zones.results, result.zones.retried);
+    for (const NodeResult& n : result.nodes) fmt::format_to(out, " {:.2f} s", n.zone_busy_s);
+    fmt::format_to(out, "\n");
+  }
   if (result.duplicates > 0)
     fmt::format_to(out, "{} results came twice and were dropped\n", result.duplicates);
   if (result.frames.size() > 1) {

@@ -73,6 +73,17 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                              {"write", t.write_s},         {"finish", t.finish_s},
                              {"total", t.total_s},         {"trace_began_unix", t.trace_began_unix_s},
                              {"host_cpu", t.host_cpu_s}};
+  if (const ZonesResult& z = result.zones; z.stages + z.read > 0)
+    j["zones"] = Json::Object{{"stages", z.stages},
+                              {"rounds", z.rounds},
+                              {"rays", to_json(z.rays)},
+                              {"seconds", z.seconds},
+                              {"data_bytes", z.data_bytes},
+                              {"assignment_bytes", z.assignment_bytes},
+                              {"result_bytes", z.result_bytes},
+                              {"results", z.results},
+                              {"retried_items", z.retried},
+                              {"read_from_files", z.read}};
   j["nodes"] = Json::Array();
   for (const NodeResult& n : result.nodes)
     j["nodes"].push_back(Json::Object{{"id", n.id.value()},
@@ -85,6 +96,8 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                                       {"rays", n.rays},
                                       {"busy_s", n.busy_s},
                                       {"idle_s", result.idle_s(n)},
+                                      {"zone_items", n.zone_items},
+                                      {"zone_busy_s", n.zone_busy_s},
                                       {"bytes_received", meter.of_node(n.id, Direction::to_node).bytes},
                                       {"bytes_sent", meter.of_node(n.id, Direction::to_host).bytes}});
   j["assign"] = plan.policy == AssignmentPolicy::on_demand ? "on-demand" : "interleaved";

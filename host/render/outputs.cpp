@@ -23,6 +23,10 @@ struct Output {
 std::vector<Output> outputs_of(const RenderOptions& options) {
   std::vector<Output> outputs{{"-o", options.output}};
   if (!options.stats.empty()) outputs.push_back({"--stats", options.stats});
+  // What is there is read, and its folder may be anybody's.
+  std::error_code ignored;
+  if (!options.zones_file.empty() && !fs::is_regular_file(options.zones_file, ignored))
+    outputs.push_back({"--zones", options.zones_file});
   if (!options.cost_map.empty()) outputs.push_back({"--cost-map", options.cost_map});
   return outputs;
 }

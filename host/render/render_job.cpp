@@ -17,9 +17,12 @@
 #include "host/process/exit_code.h"
 #include "host/process/interrupt.h"
 #include "host/render/choices.h"
+#include "host/render/frame_groups.h"
 #include "host/render/output_pattern.h"
 #include "host/render/outputs.h"
 #include "host/render/reception.h"
+#include "host/render/zone_solvers.h"
+#include "host/render/zones_file.h"
 #include "protocol/clock.h"
 
 namespace rayfarm {
@@ -97,12 +100,13 @@ class Render {
         }
         log_->warn("{} {}; frame {} is rendered again", file, why, frame.value());
       }
-      for (const std::string& other : {options_.stats, options_.cost_map})
+      for (const std::string& other : {options_.stats, options_.cost_map, options_.zones_file})
         if (file == other)
-          throw JobError(kUsageError,
-                         fmt::format("{} is the file of frame {}, and of --stats or --cost-map; each "
-                                     "output needs a name of its own",
-                                     file, frame.value()));
+          throw JobError(
+              kUsageError,
+              fmt::format("{} is the file of frame {}, and of --stats, --cost-map or --zones; each "
+                          "output needs a name of its own",
+                          file, frame.value()));
       try {
         make_camera(loaded_->compiled.scene, frame.value(), settings.width_px, settings.height_px);
       } catch (const std::domain_error& e) {
@@ -111,6 +115,46 @@ class Render {
       pictures.push_back({frame, file});
     }
     return pictures;
+  }
+
+  /// Where pictures take light from zones. Files of zones are looked through now: what is wrong with one is
+  /// told before hours of work.
+  void choose_zones(const RenderSettings& settings, FarmHostOptions& farm_options) {
+    const Scene& scene = loaded_->compiled.scene;
+    const MakeZoneSolver make_solver = zone_solvers_of(settings);
+    const std::string& name = options_.zones_file;
+    if (!make_solver) {
+      if (!name.empty()) log_->warn("--zones belongs to lighting models with zones, and does nothing here");
+      return;
+    }
+    const std::vector<FrameNumber>& frames = farm_options.plan.pictures.frames;
+    farm_options.groups = group_frames(scene, frames.size());
+    farm_options.zones.make_solver = [&scene, settings, make_solver](FrameNumber frame) {
+      return make_solver(scene, settings, frame.value());
+    };
+    if (name.empty()) return;
+    if (farm_options.groups.size() > 1 && !has_frame_pattern(name))
+      throw JobError(kUsageError,
+                     fmt::format("--zones {}: things move, so that each frame has zones of its own; put #### "
+                                 "into the name",
+                                 name));
+    const auto file =
+        std::make_shared<ZonesFile>(name, loaded_->compiled.block.bytes(), settings, has_poses(scene));
+    for (const FrameGroup& group : farm_options.groups) file->read(frames[group.first.place()]);
+    farm_options.zones.find = [this, file](FrameNumber frame) {
+      std::optional<Bytes> solution = file->read(frame);
+      if (solution)
+        log_->info("{} has the light of all zones; it is not computed again", file->file_of(frame));
+      return solution;
+    };
+    farm_options.zones.keep = [this, file](FrameNumber frame, std::span<const std::byte> solution) {
+      try {
+        file->write(frame, solution);
+      } catch (const IoError& e) {  // the pictures can be made without it
+        log_->error(e.what());
+        is_zones_file_missing_ = true;
+      }
+    };
   }
 
   int render_loaded(const RollCall& roll_call) {
@@ -147,6 +191,7 @@ class Render {
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
     log_->debug("{} nodes, {} × {} subpolygons", plan.processors, grid.columns, grid.rows);
     for (const std::string& note : name_limits(options_, grid, plan.processors)) log_->warn(note);
+    choose_zones(settings, farm_options);
     make_output_folders(options_);
 
     const double broadcast_begin = now_s();
@@ -181,7 +226,7 @@ class Render {
       say("{}", options_.is_full_report ? format_full_report(result_, meter) : format_report(result_, meter));
     for (const FrameResult& frame : result_.frames)
       if (frame.is_written) std::fprintf(stdout, "%s\n", frame.file.c_str());
-    bool is_told = flush_results();
+    bool is_told = flush_results() && !is_zones_file_missing_;
     try {
       if (!options_.stats.empty())
         write_statistics(options_.stats, result_, meter, plan, settings, farm_.ranks);
@@ -197,6 +242,7 @@ class Render {
       throw JobError(kRenderFailure, problem.empty() ? "every node is lost"
                                                      : fmt::format("every node is lost ({})", problem));
     }
+    if (!result_.problem.empty()) throw JobError(kRenderFailure, result_.problem);
     for (const FrameResult& frame : result_.frames)
       if (!frame.problem.empty()) log_->error("frame {} failed: {}", frame.frame.value(), frame.problem);
     if (result_.frames_failed() == 0) return is_told ? kComplete : kRenderFailure;
@@ -209,6 +255,7 @@ class Render {
   JobResult result_;
   std::optional<LoadedScene> loaded_;
   bool is_loaded_ = false;
+  bool is_zones_file_missing_ = false;  ///< it could not be written
   double begin_ = 0;
 };
 

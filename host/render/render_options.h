@@ -38,6 +38,7 @@ struct RenderOptions {
   double node_timeout_s = liveness::kNodeTimeout_s;
   bool skip_existing = false;
   std::string stats, cost_map;
+  std::string zones_file;  ///< where the light of zones is kept; empty: nowhere
   ProgressStyle progress = ProgressStyle::automatic;
   bool is_quiet = false, is_verbose = false, is_full_report = false;
 

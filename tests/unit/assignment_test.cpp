@@ -1,94 +1,10 @@
 // The assignment's state machine, played through without a net: events and time in, actions out.
-#include "host/farm/assignment.h"
-
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <deque>
-#include <map>
-#include <set>
-
-#include "protocol/job_plan.h"
+#include "tests/unit/assignment_player.h"
 
 namespace rayfarm {
 namespace {
 
-struct Player {
-  explicit Player(AssignmentOptions o) : options(std::move(o)), machine(options, 0) { read(); }
-
-  void read() {
-    for (const Action& action : machine.take_actions()) {
-      if (const auto* a = std::get_if<AssignItem>(&action)) queues[a->node].push_back(a->item);
-      if (const auto* s = std::get_if<StepComplete>(&action)) complete.push_back(s->step);
-      if (const auto* s = std::get_if<StepFailed>(&action)) failed[s->step] = s->problem;
-      if (const auto* l = std::get_if<NodeLost>(&action)) lost.push_back(l->node);
-      if (const auto* o = std::get_if<OpenedSteps>(&action)) open_end = o->end;
-      if (std::holds_alternative<NodeReturned>(action)) ++returned;
-      if (std::holds_alternative<AllNodesLost>(action)) all_lost = true;
-    }
-  }
-  /// A node returns the first item it holds; false if it holds none.
-  bool step(NodeId node, double now) {
-    if (queues[node].empty()) return false;
-    const ItemIndex item = queues[node].front();
-    queues[node].pop_front();
-    done(node, item, now);
-    return true;
-  }
-  void done(NodeId node, ItemIndex item, double now) {
-    if (machine.accept(node, item, now)) {
-      EXPECT_TRUE(kept.insert(item).second);
-    } else {
-      ++duplicates;
-    }
-    read();
-  }
-  void tick(double now) {
-    machine.tick(now);
-    read();
-  }
-  bool is_whole(int steps) const {
-    return kept.size() == static_cast<size_t>(steps) * static_cast<size_t>(options.items_per_step);
-  }
-  StepIndex step_of(ItemIndex item) const {
-    return StepIndex(static_cast<int>(item.value() / options.items_per_step));
-  }
-
-  AssignmentOptions options;
-  std::map<NodeId, std::deque<ItemIndex>> queues;
-  std::vector<StepIndex> complete;
-  std::vector<NodeId> lost;
-  std::map<StepIndex, std::string> failed;
-  std::set<ItemIndex> kept;
-  int duplicates = 0, returned = 0;
-  StepIndex open_end;
-  bool all_lost = false;
-  Assignment machine;
-};
-
-constexpr NodeId kNode1{1}, kNode2{2}, kNode3{3};
-
-std::vector<NodeId> nodes_up_to(int last) {
-  std::vector<NodeId> nodes;
-  for (NodeId node(1); node.value() <= last; ++node) nodes.push_back(node);
-  return nodes;
-}
-
-AssignmentOptions make_options(AssignmentPolicy policy, int nodes, int steps = 1) {
-  // The frames of a sequence, each of 8 × 8 subpolygons.
-  const auto plan = std::make_shared<JobPlan>();
-  PicturesPhase pictures{
-      std::vector<FrameNumber>(static_cast<size_t>(steps)), make_grid(0, 0, 64, 64, nodes), {}};
-  plan->processors = nodes;
-  plan->pictures = pictures;
-  AssignmentOptions o;
-  o.nodes = nodes;
-  o.steps = steps;
-  o.items_per_step = pictures.items_per_step();
-  if (policy == AssignmentPolicy::interleaved)
-    o.owner_of = [plan](ItemIndex item) { return owner_of(*plan, plan->pictures, item); };
-  return o;
-}
+using namespace test;
 
 TEST(OnDemand, KeepsTwoAtEachNodeAndEndsWhole) {
   Player player(make_options(AssignmentPolicy::on_demand, 3));
@@ -367,48 +283,6 @@ TEST(Assignment, NonsenseIsIgnored) {
   EXPECT_FALSE(player.machine.accept(kNode1, ItemIndex(-1), 0));
   EXPECT_FALSE(player.machine.accept(kNode1, ItemIndex(100000), 0));
   player.machine.fail(kNode1, ItemIndex(-1), "", 0);
-}
-
-// Phases follow each other; what is known of nodes stays.
-TEST(Phases, NodesStayWhatTheyWere) {
-  for (const auto policy : {AssignmentPolicy::on_demand, AssignmentPolicy::interleaved}) {
-    Player player(make_options(policy, 3));
-    const auto finish = [&](double now) {
-      for (ItemIndex item; item.value() < player.options.items_per_step; ++item)
-        player.machine.accept(kNode1, item, now);
-      player.machine.release(StepIndex(0), now);
-      player.read();
-      EXPECT_TRUE(player.machine.is_over());
-      player.queues.clear();
-    };
-    player.machine.expel(kNode2, 0.1);
-    for (const double now : {5.0, 9.0}) {
-      player.machine.hear(kNode1, now);
-      player.tick(now);
-    }
-    EXPECT_EQ(player.lost, (std::vector{kNode2, kNode3}));
-    finish(9.0);
-    PhaseWork next;
-    next.items_per_step = player.options.items_per_step = 7;
-    if (policy == AssignmentPolicy::interleaved)
-      next.owner_of = [](ItemIndex item) { return NodeId(static_cast<int>(item.value() % 3) + 1); };
-    player.machine.begin(next, 9.1);
-    player.read();
-    EXPECT_FALSE(player.machine.is_over());
-    EXPECT_TRUE(player.queues[kNode2].empty() && player.queues[kNode3].empty());
-    // What node 1 does not do by itself is handed out to it.
-    EXPECT_EQ(player.queues[kNode1].size(), 2u);
-    EXPECT_FALSE(player.machine.accept(kNode2, ItemIndex(0), 9.2)) << "expelled";
-    EXPECT_FALSE(player.machine.needs(kNode2, ItemIndex(0)));
-    EXPECT_FALSE(player.machine.accept(kNode1, ItemIndex(7), 9.2)) << "the phase before had more items";
-    EXPECT_EQ(player.returned, 0);
-    EXPECT_TRUE(player.machine.needs(kNode3, ItemIndex(6)));
-    EXPECT_TRUE(player.machine.accept(kNode3, ItemIndex(6), 9.2)) << "it is heard again";
-    player.read();
-    EXPECT_EQ(player.returned, 1);
-    EXPECT_FALSE(player.queues[kNode3].empty());
-    finish(9.3);
-  }
 }
 
 }  // namespace

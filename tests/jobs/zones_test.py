@@ -1,0 +1,192 @@
+"""Stages of zones on whole farms, with zones that hold no light (fake_zones.cpp): who did what must not show, and what goes wrong is told."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import time
+
+from rayfarm_job import ENVIRONMENT, Job, JobTest, JobTestAlone, RAYFARM, SCENES, main
+
+FAKE = str(pathlib.Path(RAYFARM).parent / "rayfarm_fake_zones")
+SCENE = SCENES / "primitives.yaml"
+SMALL = ["--size", "48x32", "--lighting", "phong", "--progress", "none"]
+
+
+class ZonesTest(JobTest):
+    def start(self, ranks, *arguments, scene=SCENE, name="z.png", **fake):
+        environment = ENVIRONMENT | {f"FAKE_{k.upper()}": str(v) for k, v in fake.items()}
+        stats = self.folder / "stats.json"
+        stats.unlink(missing_ok=True)
+        small = [word for option, value in zip(SMALL[::2], SMALL[1::2]) if option not in arguments for word in (option, value)]
+        arguments = ["render", scene, "-o", self.folder / name, "--stats", stats, *small, *arguments]
+        if ranks > 1:
+            return Job(ranks, *arguments, program=FAKE, environment=environment)
+        return subprocess.Popen([FAKE, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+
+    def run_fake(self, ranks, *arguments, **more):
+        job = self.start(ranks, *arguments, **more)
+        if ranks > 1:
+            result = job.wait()
+            return result.code, result.stderr
+        _, stderr = job.communicate(timeout=60)
+        return job.returncode, stderr
+
+    def solve(self, ranks, *arguments, **more):
+        """A render that keeps its zones: their file's bytes, and the statistics."""
+        file = self.folder / "a.zones"
+        file.unlink(missing_ok=True)
+        code, stderr = self.run_fake(ranks, "--zones", file, *arguments, **more)
+        self.assertEqual(code, 0, stderr)
+        return file.read_bytes(), json.loads((self.folder / "stats.json").read_text())
+
+
+class AnyFarm(ZonesTest):
+    # zonal.md 4: "the order, ranks, cut and retries can't show".
+    def test_sums_are_the_same_to_the_byte(self):
+        alone, told = self.solve(1, "--local-nodes", "1")
+        picture = told["image"]["sha256_pixels"]
+        for ranks, batch, policy in ((1, 1000, "on-demand"), (2, 7, "interleaved"), (3, 1000, "on-demand"), (9, 7, "on-demand")):
+            with self.subTest(ranks=ranks, batch=batch, policy=policy):
+                sums, told = self.solve(ranks, "--assign", policy, batch=batch)
+                self.assertEqual(sums, alone)
+                self.assertEqual(told["image"]["sha256_pixels"], picture, "all nodes must be given the same light")
+                zones = told["zones"]
+                self.assertEqual((zones["stages"], zones["rounds"], zones["retried_items"]), (4, 4, 0))
+                self.assertEqual(zones["data_bytes"], 5 * 800)
+                self.assertEqual(sum(node["zone_items"] for node in told["nodes"]), zones["results"])
+
+    def test_bytes_of_pixels_are_not_those_of_zones(self):
+        _, told = self.solve(3, slots=20000)
+        without = self.render(3, SCENE, *SMALL)["traffic"]
+        traffic, zones = told["traffic"], told["zones"]
+        # Pixels differ, as they show what came of zones, but not by much in their size.
+        self.assertLess(traffic["bytes_per_pixel"], 3.2)
+        self.assertGreater(zones["result_bytes"], 100_000)
+        self.assertGreater(traffic["return_result"]["bytes"], zones["result_bytes"])
+        self.assertEqual(traffic["load_display_polygon"]["bytes"] - zones["assignment_bytes"],
+                         without["load_display_polygon"]["bytes"])
+
+    def test_killed_in_a_stage(self):
+        alone, _ = self.solve(1)
+        file = self.folder / "k.zones"
+        job = self.start(4, "--zones", file, "-v", unit_us=1500, slots=100)
+        job.wait_until_it_says("tracing begins")
+        time.sleep(0.4)
+        job.hurt(2, signal.SIGKILL)
+        result = job.wait()
+        self.assertEqual(result.code, 0, result.stderr)
+        self.assertEqual(file.read_bytes(), alone)
+        told = json.loads((self.folder / "stats.json").read_text())
+        self.assertEqual(told["nodes_lost"], [2])
+        self.assertGreater(told["nodes"][1]["zone_items"], 0, "it was lost before it did anything: the test shows nothing")
+
+    def test_stopped_in_a_stage_and_back_in_a_later_one(self):
+        # Data so large that what a stopped node is not sent is told from what it is.
+        alone, _ = self.solve(1, slots=100_000)
+        file = self.folder / "k.zones"
+        job = self.start(3, "--zones", file, "-v", "--node-timeout", "2", unit_us=3500, slots=100_000, batch=20)
+        job.wait_until_it_says("tracing begins")
+        time.sleep(0.3)
+        pid = job.pid_of_rank(1)
+        os.kill(pid, signal.SIGSTOP)
+        time.sleep(3.2)
+        os.kill(pid, signal.SIGCONT)
+        result = job.wait()
+        self.assertEqual(result.code, 0, result.stderr)
+        self.assertIn("node 1 is back", result.stderr)
+        self.assertEqual(file.read_bytes(), alone)
+
+
+class WhatGoesWrong(ZonesTest):
+    def test_a_part_that_fails_three_times(self):
+        file = self.folder / "a.zones"
+        code, stderr = self.run_fake(1, "--zones", file, fails=1)
+        self.assertEqual(code, 1, stderr)
+        self.assertIn("zones of frame 0, round 1: a part failed three times: the tracer's own error", stderr)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["stats.json"])
+
+    def test_interrupted(self):
+        file = self.folder / "a.zones"
+        process = self.start(1, "--zones", file, "--progress", "plain", unit_us=20_000)
+        time.sleep(0.6)
+        process.send_signal(signal.SIGINT)
+        _, stderr = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 75, stderr)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["stats.json"])
+
+    def test_progress(self):
+        code, stderr = self.run_fake(1, "--progress", "tty", "--local-nodes", "1", unit_us=500)
+        self.assertEqual(code, 0, stderr)
+        self.assertRegex(stderr, r"zones: round \d, [0-9.]+ % unsent, [0-9.]+ k?rays  0:0\d  1 node")
+        self.assertRegex(stderr, r"zones    4 stages, 4 rounds, [0-9.]+ k?rays in ")
+
+
+class Files(ZonesTest):
+    def test_what_is_there_is_not_computed_again(self):
+        file = self.folder / "a.zones"
+        before, told = self.solve(1)
+        code, stderr = self.run_fake(1, "--zones", file, "--size", "30x20", "--samples", "4")
+        self.assertEqual(code, 0, stderr)
+        self.assertIn("it is not computed again", stderr)
+        again = json.loads((self.folder / "stats.json").read_text())["zones"]
+        self.assertEqual((again["stages"], again["read_from_files"]), (0, 1))
+        self.assertEqual(file.read_bytes(), before)
+        code, _ = self.run_fake(2, "--zones", file)
+        self.assertEqual(code, 0)
+        again = json.loads((self.folder / "stats.json").read_text())
+        self.assertEqual(again["image"]["sha256_pixels"], told["image"]["sha256_pixels"])
+
+    def refused(self, code, message, *arguments, file="a.zones", **more):
+        found, stderr = self.run_fake(1, "--zones", self.folder / file, *arguments, **more)
+        self.assertEqual(found, code, stderr)
+        self.assertIn(message, stderr)
+        self.assertFalse((self.folder / "z.png").exists())
+
+    def test_of_others_or_damaged(self):
+        file = self.folder / "a.zones"
+        whole, _ = self.solve(1)
+        (self.folder / "z.png").unlink()
+        self.refused(2, "it is of another --seed; remove it, or name another file", "--seed", "7")
+        self.refused(2, "it is of another --max-depth, another --max-reflections", "--max-depth", "3")
+        self.refused(2, "it is of other settings", "--min-weight", "0.1")
+        self.refused(2, "it is of another scene", scene=SCENES / "blocks.yaml")
+        for damaged, message in ((whole[:-1], "it is cut off: "), (whole[:40], "it is cut off, or damaged"), (b"", "this is no file of zones"),
+                                 (b"my diary\n\n", "this is no file of zones"), (whole + b"x", "its bytes are not those"),
+                                 (whole[:-1] + bytes([whole[-1] ^ 1]), "its bytes are not those"),
+                                 (whole.replace(b"length ", b"length -"), "its header can't be read"),
+                                 (whole.replace(b"\nscene", b"\nscone"), "has no 'scene'"), (whole.replace(b"zones 1", b"zones 2"), "another version")):
+            file.write_bytes(damaged)
+            code, stderr = self.run_fake(1, "--zones", file)
+            self.assertIn(code, (2, 3), stderr)
+            self.assertIn(message, stderr)
+            self.assertEqual(file.read_bytes(), damaged)
+        self.assertFalse((self.folder / "z.png").exists())
+
+    def test_frames_in_which_things_move_have_a_file_each(self):
+        scene = SCENES / "animation.yaml"
+        code, stderr = self.run_fake(1, "--zones", self.folder / "a.zones", "--frames", "1-2", scene=scene, name="z.##.png")
+        self.assertEqual(code, 2, stderr)
+        self.assertIn("put #### into the name", stderr)
+        code, stderr = self.run_fake(2, "--zones", self.folder / "a.##.zones", "--frames", "1-2", scene=scene, name="z.##.png")
+        self.assertEqual(code, 0, stderr)
+        files = [self.folder / f"a.0{i}.zones" for i in (1, 2)]
+        self.assertNotEqual(files[0].read_bytes(), files[1].read_bytes())
+        files[1].replace(files[0])
+        code, stderr = self.run_fake(1, "--zones", self.folder / "a.##.zones", "--frames", "1", scene=scene, name="z.##.png")
+        self.assertEqual(code, 2, stderr)
+        self.assertIn("another frame, and things move in this scene", stderr)
+
+    def test_a_place_that_can_not_be_written_to(self):
+        self.refused(2, "there is no folder", file="no/where/a.zones")
+        self.refused(2, "names the same file", file="z.png")
+
+    def test_models_without_zones_say_that_the_option_does_nothing(self):
+        code, stderr = self.run_fake(1, "--zones", self.folder / "a.zones", "--lighting", "whitted")
+        self.assertEqual(code, 0, stderr)
+        self.assertIn("--zones belongs to lighting models with zones, and does nothing here", stderr)
+        self.assertFalse((self.folder / "a.zones").exists())
+
+
+if __name__ == "__main__":
+    main()
