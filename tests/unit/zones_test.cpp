@@ -52,7 +52,7 @@ TEST(Zones, CubeWithAZonePerFace) {
                      fmt::format("{:.17g}", 1 / pi) + "}}}\nscene:\n" + room("wall");
   const size_t top = text.find("material: wall", text.find("[-1,1,-1],[1,1,-1]") - 60);
   text.replace(top, 14, "material: top");
-  RenderSettings settings = zone_settings(3, 400'000);
+  RenderSettings settings = zone_settings(3, 1'000'000);
   settings.zones.samples = 4096;
   SolvedZones solved(text, settings);
   const auto grids = solved.zones.map().grids();
