@@ -89,6 +89,7 @@ double density_along(const Scene& scene, const Ray& ray, const MediumSegment& se
 }
 
 Color attenuation(const Color& depth) {
+  if (depth.x == depth.y && depth.y == depth.z) return Color(portable_exp(-depth.x));
   return {portable_exp(-depth.x), portable_exp(-depth.y), portable_exp(-depth.z)};
 }
 

@@ -246,6 +246,25 @@ TEST(Media, TrackingMeansWhatTheIntegralSays) {
   expect_color(delta / exact, Color(1), 0.02);
 }
 
+TEST(Media, WalksEndWhereDistancesAreRounded) {
+  // From so far away that numbers along the ray are a unit apart, half the length of the box: steps do not
+  // move it.
+  const Probe probe(slab("scattering: 1000, " + grid_of("lumps.raw", {9, 10, 11}, lumpy)));
+  const Scene& scene = probe.compiled.scene;
+  const SamplingTables tables(probe.settings, 0);
+  const Ray ray{{5, 5, 9e15}, {0, 0, -1}};
+  ASSERT_EQ(media_along(scene, ray).size(), 1u);
+  for (uint32_t i = 0; i < 100; ++i) {
+    MediumNumbers shadow(tables.sampler, {1, 2, i}, dimension::of_walk(1, dimension::kShadow)),
+        free(tables.sampler, {1, 2, i}, dimension::of_walk(1, dimension::kFree));
+    const Color left = estimate_transmittance(scene, ray, shadow);
+    EXPECT_GE(left.x, 0);
+    EXPECT_LE(left.x, 1);
+    Color throughput(1);
+    EXPECT_TRUE(std::isfinite(walk_through_media(scene, ray, throughput, free).t));
+  }
+}
+
 TEST(Media, AConstantGridIsAHomogeneousBox) {
   const auto mean = [](const std::string& grid, LightingModel model, uint32_t samples) {
     Probe probe(
