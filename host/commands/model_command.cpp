@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/errors/input_error.h"
+#include "common/lighting/ray_counts.h"
 #include "host/commands/commands.h"
 #include "host/commands/net_options.h"
 #include "host/files/json.h"
@@ -21,6 +22,24 @@ struct ModelOptions {
   TableFormat format = TableFormat::text;
 };
 
+/// How many stages of zones a render had; 0 if it had none.
+double stages_of(const JsonView& statistics) {
+  return statistics.has("zones") ? statistics.at("zones").at("stages").number() : 0;
+}
+
+/// As if each stage were a round.
+void read_zones(const JsonView& statistics, double stages, ZonesModel& model) {
+  const JsonView zones = statistics.at("zones");
+  double rays = 0, busy_s = 0;
+  for (const char* kind : kRayKindNames) rays += zones.at("rays").at(kind).number();
+  for (const JsonView& node : statistics.at("nodes").elements()) busy_s += node.at("zone_busy_s").number();
+  model.rounds = stages;
+  model.zones = zones.at("data_bytes").number() / stages / kZoneBytes;
+  model.rays = rays / stages;
+  model.ray_time_s = rays > 0 ? busy_s / rays : 0;
+  model.result_bytes = zones.at("result_bytes").number() / stages;
+}
+
 /// Takes from the statistics of a real render what the model needs.
 void read_statistics(const std::string& path, NetModel& model) {
   try {
@@ -32,12 +51,18 @@ void read_statistics(const std::string& path, NetModel& model) {
     model.pixel_time_s = busy_s / (model.pixels * frames);
     const JsonView traffic = j.at("traffic");
     model.code_bytes = traffic.at(name_of(Command::load_code)).at("bytes").number();
-    // A render without mpirun sends no scene, but a net would.
-    model.data_bytes = std::max(traffic.at(name_of(Command::load_data)).at("bytes").number(),
-                                j.at("scene").at("bytes").number());
+    double load_bytes = traffic.at(name_of(Command::load_data)).at("bytes").number();
     const double nodes = static_cast<double>(j.at("nodes").size());
-    model.assignment_bytes =
-        traffic.at(name_of(Command::load_display_polygon)).at("bytes").number() / (frames * nodes);
+    double assignment_bytes = traffic.at(name_of(Command::load_display_polygon)).at("bytes").number();
+    if (const double stages = stages_of(j); stages > 0) {  // what was for zones is not of pictures
+      const JsonView zones = j.at("zones");
+      assignment_bytes -= zones.at("assignment_bytes").number();
+      load_bytes -= zones.at("data_bytes").number();
+      read_zones(j, stages, model.zones);
+    }
+    // A render without mpirun sends no scene, but a net would.
+    model.data_bytes = std::max(load_bytes, j.at("scene").at("bytes").number());
+    model.assignment_bytes = assignment_bytes / (frames * nodes);
     model.subpolygons_per_processor =
         j.at("subpolygons").at("columns").number() * j.at("subpolygons").at("rows").number() / nodes;
     if (j.at("wire").text() == "block")
@@ -92,6 +117,14 @@ int print_model(const ModelOptions& options) {
     tables.push_back(std::move(table));
   }
   tables.insert(tables.begin(), limits);
+  if (model.zones.zones > 0) {
+    Table zones{"zones", {"processors", "data_s", "trace_s", "results_s", "all_s"}, {}};
+    for (const double n : processors) {
+      const ZonesTimes t = evaluate_zones(model, n);
+      zones.rows.push_back({n, t.data_s, t.trace_s, t.results_s, t.total_s()});
+    }
+    tables.push_back(std::move(zones));
+  }
   fmt::print("{}", format_tables(tables, options.format));
   return kComplete;
 }
@@ -134,6 +167,14 @@ void add_model_command(CommandLine& line) {
   options.numbers("--wire-bytes", o->wire_bytes, 1e-6, 1e6,
                   "bytes per pixel of further wires, whose messages are subpolygons; beside 9 (pixel) and 3 "
                   "(block)");
+  options.number("--zones", m.zones.zones, 0, 1e12,
+                 "that light is spread over before pictures (default: 0, none)");
+  options.number("--rounds", m.zones.rounds, 1, 1e6, "of light from zone to zone (default: 1)");
+  options.number("--zone-rays", m.zones.rays, 1, 1e15, "of a round (default: 1,000,000)");
+  options.number("--zone-ray-time", m.zones.ray_time_s, 0, 1e6,
+                 "seconds to trace one of them on one processor (default: 0)");
+  options.number("--zone-result-bytes", m.zones.result_bytes, 0, 1e15,
+                 "of all processors in a round (default: 0)");
   options.numbers("--processors", o->processors, 1, 1e9, "1,2,4: rows of the table");
   add_format(options, o->format);
 }

@@ -58,6 +58,9 @@ JsonView JsonView::read_file(const std::string& path) {
 JsonView JsonView::at(const std::string& name) const {
   return translated([&] { return JsonView({value_, &value_of(value_).at(name)}); });
 }
+bool JsonView::has(const std::string& name) const {
+  return value_of(value_).contains(name);
+}
 size_t JsonView::size() const {
   if (!value_of(value_).is_structured()) throw JsonError("a list was expected");
   return value_of(value_).size();

@@ -62,6 +62,7 @@ class JsonView {
   static JsonView read_file(const std::string& path);
 
   JsonView at(const std::string& name) const;
+  bool has(const std::string& name) const;
   size_t size() const;
   double number() const;
   int integer() const;

@@ -39,6 +39,13 @@ NetTimes evaluate(const NetModel& model, const WireModel& wire, double processor
   return t;
 }
 
+ZonesTimes evaluate_zones(const NetModel& model, double processors) {
+  const double byte_s = 8 / model.rate_bit_per_s;
+  const ZonesModel& z = model.zones;
+  return {z.rounds * kZoneBytes * z.zones * byte_s, z.rounds * z.rays * z.ray_time_s / processors,
+          z.rounds * z.result_bytes * byte_s};
+}
+
 double saturating_processors(const NetModel& model, const WireModel& wire) {
   return model.pixel_time_s * model.rate_bit_per_s / 8 / wire.bytes_per_pixel;
 }

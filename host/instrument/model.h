@@ -15,6 +15,17 @@ struct WireModel {
   double pixels_per_message = 1;
 };
 
+/// Light that is spread over zones before pictures, in rounds.
+struct ZonesModel {
+  double zones = 0;  ///< n; 0: there are none
+  double rounds = 1;
+  double rays = 1e6;        ///< of a round
+  double ray_time_s = 0;    ///< T_R: to trace a ray, on one processor
+  double result_bytes = 0;  ///< of all processors in a round
+};
+/// What a zone's unsent power weighs, which every processor is told in each round: three numbers of 8 bytes.
+inline constexpr double kZoneBytes = 24;
+
 struct NetModel {
   double code_bytes = 0, data_bytes = 0;
   double copies_per_processor = 0;  ///< 0: code and data are broadcast, once for all
@@ -25,6 +36,7 @@ struct NetModel {
   double frame_buffer_s = 0;        ///< in which the host stores a pixel; 0: no time at all
   double subpolygons_per_processor = 64;
   std::vector<WireModel> wires;
+  ZonesModel zones;
 };
 
 /// The thesis's numbers: 194,424 bytes of code, 247K of data, 8 Mbit/s, 1024 × 1024 pixels of 0.04 s, 9
@@ -45,6 +57,14 @@ struct NetTimes {
   double net_use = 0;  ///< share of a next frame's time in which the net is busy
 };
 NetTimes evaluate(const NetModel& model, const WireModel& wire, double processors);
+
+/// What `processors` need for the light of zones, in seconds: rounds (24 n / W + rays T_R / N + results / W),
+/// W the net's bytes per second; unsent power is broadcast.
+struct ZonesTimes {
+  double data_s = 0, trace_s = 0, results_s = 0;  ///< of all rounds
+  double total_s() const { return data_s + trace_s + results_s; }
+};
+ZonesTimes evaluate_zones(const NetModel& model, double processors);
 
 /// Processors whose results fill the net, or the frame buffer's time (infinity: never).
 double saturating_processors(const NetModel& model, const WireModel& wire);

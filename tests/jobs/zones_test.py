@@ -66,6 +66,13 @@ class AnyFarm(ZonesTest):
         self.assertGreater(traffic["return_result"]["bytes"], zones["result_bytes"])
         self.assertEqual(traffic["load_display_polygon"]["bytes"] - zones["assignment_bytes"],
                          without["load_display_polygon"]["bytes"])
+        (self.folder / "told.json").write_text(json.dumps(told))
+        model = self.run_alone("model", "--stats", self.folder / "told.json", "--processors", "4", "--rate", "8mbit")
+        self.assertEqual(model.code, 0, model.stderr)
+        # Four stages of a fifth of the data: 24 bytes a zone on a megabyte a second.
+        found = model.stdout.split("\nzones\n")[1].splitlines()[1].split()
+        self.assertAlmostEqual(float(found[1]), zones["data_bytes"] / 1e6, delta=1e-3)
+        self.assertAlmostEqual(float(found[3]), zones["result_bytes"] / 1e6, delta=1e-3 * zones["result_bytes"] / 1e6 + 1e-4)
 
     def test_killed_in_a_stage(self):
         alone, _ = self.solve(1)

@@ -25,6 +25,19 @@ TEST(NetModel, GivesTheThesissFigures) {
   EXPECT_NEAR(t.results_s / 4444, 0.000009, 1e-12);
 }
 
+// zonal.md, 4: "Model, beside Equation 4.6: T = rounds · (24 n/W + rays · T_R/N + results/W)". By hand, of
+// the thesis's 8 Mbit/s: 24 × 5,000 bytes take 0.12 s, 10^5 rays of 1 ms on 50 processors 2 s, 10^6 bytes 1
+// s.
+TEST(NetModel, ZonesTakeRoundsOfDataRaysAndResults) {
+  NetModel model = thesis_model();
+  model.zones = {5'000, 6, 1e5, 1e-3, 1e6};
+  const ZonesTimes t = evaluate_zones(model, 50);
+  EXPECT_NEAR(t.data_s, 6 * 0.12, 1e-12);
+  EXPECT_NEAR(t.trace_s, 6 * 2.0, 1e-12);
+  EXPECT_NEAR(t.results_s, 6 * 1.0, 1e-12);
+  EXPECT_NEAR(t.total_s(), 6 * 3.12, 1e-12);
+}
+
 TEST(NetModel, KnowsItsLimits) {
   NetModel model = thesis_model();
   const WireModel& wire = model.wires.front();
