@@ -252,11 +252,10 @@ std::vector<std::string> name_idle_items(const RenderSettings& s, const Scene& s
 std::vector<std::string> name_idle_shading(const RenderSettings& settings, const Scene& scene) {
   std::vector<std::string> notes;
   const auto scatters = [](const ParticipatingMedium& medium) { return medium.scattering != Color(0); };
-  if (settings.lighting != LightingModel::path &&
-      std::any_of(scene.media.begin(), scene.media.end(), scatters))
+  if (!follows_paths(settings.lighting) && std::any_of(scene.media.begin(), scene.media.end(), scatters))
     notes.emplace_back(
         "`media` weaken what rays of this lighting model bring, and show no light that they scatter; `path` "
-        "does");
+        "and `zonal` do");
   const auto is_gouraud = [](const auto& polygon) {
     return polygon.smoothing == static_cast<uint32_t>(Smoothing::gouraud);
   };
@@ -266,7 +265,8 @@ std::vector<std::string> name_idle_shading(const RenderSettings& settings, const
   if (follows_paths(settings.lighting) &&
       (any(scene.triangle_shading) || any(scene.polygons) || any(scene.mesh_faces)))
     notes.emplace_back(
-        "`smooth: gouraud` belongs to the classical lighting models; `path` interpolates the normals");
+        "`smooth: gouraud` belongs to the classical lighting models; `path` and models with zones "
+        "interpolate the normals");
   return notes;
 }
 

@@ -74,6 +74,9 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
   s.item_buffer = usual.item_buffer;
   s.item_radius_px = usual.item_radius_px;
   s.light_cells = usual.light_cells;
+  s.zones.view = usual.zones.view;
+  s.zones.batch = usual.zones.batch;
+  s.zones.most_GiB = usual.zones.most_GiB;
   return s;
 }
 
