@@ -81,16 +81,11 @@ void PowerTracer::keep_in_medium(const PowerRay& ray, const MediumGrid& grid, ui
     keep(first, power);
     return;
   }
-  const Power part = scaled(power, Color(1.0 / kSpreadRays));
-  const Frame frame(normalized(ray.ray.direction));
-  for (uint32_t i = 0; i < kSpreadRays; ++i) {
-    // Each cell that a ray crosses has numbers of its own.
-    const auto u =
-        random_pair(settings_.seed, sampler_.frame(), ray.id,
-                    dimension::of_mix(static_cast<uint32_t>(mix_bits(cell * kSpreadRays + i) >> 41)));
-    const Vec3 local = sample_henyey_greenstein({u[0], u[1]}, scene_.media[grid.medium].asymmetry);
-    keep(first + grid.directions.cell(frame.to_world(local)), part);
-  }
+  // Each cell that a ray crosses has numbers of its own; one direction of each will do, since there are many.
+  const auto u = random_pair(settings_.seed, sampler_.frame(), ray.id,
+                             dimension::of_mix(static_cast<uint32_t>(mix_bits(cell) >> 41)));
+  const Vec3 local = sample_henyey_greenstein({u[0], u[1]}, scene_.media[grid.medium].asymmetry);
+  keep(first + grid.directions.cell(Frame(normalized(ray.ray.direction)).to_world(local)), power);
 }
 
 bool PowerTracer::meet(PowerRay& ray, const Hit& hit) {

@@ -28,6 +28,25 @@ ZoneStageHead read_stage_head(PackedReader& in, size_t passes) {
   return head;
 }
 
+uint64_t sender_of(const ZoneScene& zones, uint64_t slot) {
+  const ZoneMap& map = zones.map();
+  if (slot < map.slot_count()) {
+    const SlotPlace place = map.place_of_slot(slot);
+    return place.direction == 0 ? slot : slot - place.direction + 1;
+  }
+  const uint64_t in_media = slot - map.slot_count();
+  const MediumGrid& grid = zones.media().grid_of_slot(in_media);
+  return slot - (in_media - grid.first_slot) % grid.directions.count();
+}
+
+void ZoneSenders::add(uint64_t slot, const Power& unsent) {
+  const uint64_t first = sender_of(zones_, slot);
+  if (senders_.empty() || senders_.back().first_slot != first) senders_.push_back({first, slots_, 0, 0});
+  ++senders_.back().count;
+  senders_.back().power += unsent.total();
+  ++slots_;
+}
+
 bool is_followed_at(const Scene& scene, const Material& material, const ZoneGrid& grid) {
   if (material.kind == MaterialKind::mix)
     return is_followed_at(scene, scene.materials[material.parts[0]], grid) ||

@@ -25,9 +25,32 @@ void write(PackedWriter& out, const ZoneStageHead& head);
 /// Throws std::runtime_error.
 ZoneStageHead read_stage_head(PackedReader& in, size_t passes);
 
-/// How many rays a slot sends: in every round as many for the same power.
-inline uint64_t ray_count(const Power& unsent, const ZoneStageHead& head) {
-  return static_cast<uint64_t>(std::max(1.0, std::ceil(head.rays * (unsent.total() / head.first))));
+/// Slots that send together: the directions of a zone's side, or of a medium's cell; a diffuse slot is alone.
+struct ZoneSender {
+  uint64_t first_slot = 0;
+  size_t first = 0, count = 0;  ///< of those that have something, among all such slots
+  double power = 0;             ///< of all channels
+};
+
+/// The first of the slots that a slot sends together with.
+uint64_t sender_of(const ZoneScene& zones, uint64_t slot);
+
+/// Gathers slots, which come as they rise, into senders.
+class ZoneSenders {
+ public:
+  explicit ZoneSenders(const ZoneScene& zones) : zones_(zones) {}
+  void add(uint64_t slot, const Power& unsent);
+  std::span<const ZoneSender> all() const { return senders_; }
+
+ private:
+  const ZoneScene& zones_;
+  std::vector<ZoneSender> senders_;
+  size_t slots_ = 0;
+};
+
+/// How many rays a sender sends: in every round as many for the same power.
+inline uint64_t ray_count(const ZoneSender& sender, const ZoneStageHead& head) {
+  return static_cast<uint64_t>(std::max(1.0, std::ceil(head.rays * (sender.power / head.first))));
 }
 
 /// Sides of cells at which light goes on along mirrors and through glass.

@@ -205,14 +205,10 @@ class ZonalSolver : public ZoneSolver {
 
   std::optional<ZoneStage> next_round() {
     Power unsent;
-    uint64_t fullest = 0;
-    double most = 0;
+    ZoneSenders senders(zones_);
     unsent_.for_each([&](uint64_t slot, const Power& power) {
       unsent += power;
-      if (power.total() > most) {
-        most = power.total();
-        fullest = slot;
-      }
+      senders.add(slot, power);
     });
     unsent_total_ = unsent.total();
     const bool is_enough = unsent_total_ <= settings_.zones.tolerance * current_->primary.total();
@@ -232,11 +228,16 @@ class ZonalSolver : public ZoneSolver {
     stage_ = ZoneStageKind::shoot;
     uint64_t rays = 0;
     if (settings_.zones.shooting == ZoneShooting::one) {
+      const ZoneSender& fullest =
+          *std::max_element(senders.all().begin(), senders.all().end(),
+                            [](const ZoneSender& x, const ZoneSender& y) { return x.power < y.power; });
       sending_.emplace(slots());
-      (*sending_)[fullest] = unsent_[fullest];
-      rays = ray_count(unsent_[fullest], head_);
+      unsent_.for_each([&](uint64_t slot, const Power& power) {
+        if (sender_of(zones_, slot) == fullest.first_slot) (*sending_)[slot] = power;
+      });
+      rays = ray_count(fullest, head_);
     } else {
-      unsent_.for_each([&](uint64_t, const Power& power) { rays += ray_count(power, head_); });
+      for (const ZoneSender& sender : senders.all()) rays += ray_count(sender, head_);
     }
     rays_ += rays;
     return make_stage(fmt::format("round {}", head_.round + 1), rays, settings_.zones.batch);

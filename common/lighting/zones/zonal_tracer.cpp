@@ -30,12 +30,16 @@ class ZonalTracer : public ZoneTracer {
     slots_.clear();
     unsent_.clear();
     first_ray_.assign(1, 0);
-    if (head_.kind == ZoneStageKind::shoot)
+    senders_.emplace(zones_);
+    if (head_.kind == ZoneStageKind::shoot) {
       in.sums(zones_.slot_count(), [&](uint64_t slot, const Power& power) {
         slots_.push_back(slot);
         unsent_.push_back(power);
-        first_ray_.push_back(first_ray_.back() + ray_count(power, head_));
+        senders_->add(slot, power);
       });
+      for (const ZoneSender& sender : senders_->all())
+        first_ray_.push_back(first_ray_.back() + ray_count(sender, head_));
+    }
     in.expect_end();
     if (!colors_[head_.pass]) colors_[head_.pass].emplace(zones_.scene(head_.pass), zones_.map());
   }
@@ -219,17 +223,38 @@ class ZonalTracer : public ZoneTracer {
   /// The ray's share of what its zone has to send.
   void send_from_zone(uint64_t unit, PowerTracer& tracer, PowerTally& tally) {
     const auto found = std::upper_bound(first_ray_.begin(), first_ray_.end(), unit) - 1;
-    const auto index = static_cast<size_t>(found - first_ray_.begin());
-    const uint64_t number = unit - *found, slot = slots_[index];
-    const auto rays = static_cast<int64_t>(ray_count(unsent_[index], head_));
-    Power power;
-    for (size_t c = 0; c < 3; ++c)
-      power[c] = unsent_[index][c] / rays + (std::cmp_less(number, unsent_[index][c] % rays) ? 1 : 0);
+    const ZoneSender& sender = senders_->all()[static_cast<size_t>(found - first_ray_.begin())];
+    const uint64_t number = unit - *found;
+    const auto rays = static_cast<int64_t>(ray_count(sender, head_));
     PowerRay ray;
-    ray.id = {static_cast<int>(slot & 0x7fffffff),
-              static_cast<int>(slot >> 31 << 20 | (head_.round & 0xfffff)), static_cast<uint32_t>(number)};
+    ray.id = {static_cast<int>(sender.first_slot & 0x7fffffff),
+              static_cast<int>(sender.first_slot >> 31 << 20 | (head_.round & 0xfffff)),
+              static_cast<uint32_t>(number)};
+    // Exactly its share, which is a quantum more for the first ones.
+    const auto share = [&](const Power& of) {
+      Power power;
+      for (size_t c = 0; c < 3; ++c) power[c] = of[c] / rays + (std::cmp_less(number, of[c] % rays) ? 1 : 0);
+      return power;
+    };
+    size_t index = sender.first;
+    Power power = share(unsent_[index]);
+    uint64_t slot = slots_[index];
+    if (sender.count > 1) {
+      // Warped by the power of directions, each in its own colour.
+      Power all;
+      for (size_t i = 0; i < sender.count; ++i) all += unsent_[sender.first + i];
+      const double u = sampler_.point(ray.id, dimension::of_bounce(0, dimension::kLobe)).x;
+      double left = (static_cast<double>(number) + u) / static_cast<double>(rays) * sender.power;
+      while (index + 1 < sender.first + sender.count && left >= unsent_[index].total())
+        left -= unsent_[index++].total();
+      slot = slots_[index];
+      power = share(all);
+      ray.power =
+          scaled(unsent_[index], Color(sender.power / static_cast<double>(rays) / unsent_[index].total()));
+    } else {
+      ray.power = power;
+    }
     ray.is_direct = head_.round == 0 && settings_.zones.primary == ZonePrimary::shot;
-    ray.power = power;
     if (slot < zones_.map().slot_count())
       leave_surface(slot, ray);
     else
@@ -289,8 +314,10 @@ class ZonalTracer : public ZoneTracer {
   std::vector<std::optional<ZoneColors>> colors_;
   // Of the stage.
   ZoneStageHead head_;
-  std::vector<uint64_t> slots_, first_ray_;  ///< that send, and where each one's rays begin
-  std::vector<Power> unsent_;
+  std::vector<uint64_t> slots_;  ///< that have something to send
+  std::vector<Power> unsent_;    ///< of each
+  std::optional<ZoneSenders> senders_;
+  std::vector<uint64_t> first_ray_;  ///< of each sender
 };
 
 }  // namespace
