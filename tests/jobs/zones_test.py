@@ -105,6 +105,52 @@ class AnyFarm(ZonesTest):
         self.assertEqual(file.read_bytes(), alone)
 
 
+class RealZones(JobTest):
+    """The program's own: zones of surfaces, directions and media."""
+
+    def test_ranks_policies_batches_and_losses_do_not_show(self):
+        scene = SCENES / "materials.yaml"
+        usual = ["--lighting", "zonal", "--size", "40x30", "--zone-size", "1", "--zone-samples", "4", "--zone-view", "gather"]
+        few = ["--zone-rays", "30000"]
+        expected = self.render(1, scene, *usual, *few)["image"]["sha256_pixels"]
+        for ranks, batch, policy in ((2, 1000, "interleaved"), (3, 7, "on-demand"), (9, 1000, "on-demand")):
+            with self.subTest(ranks=ranks, batch=batch, policy=policy):
+                told = self.render(ranks, scene, *usual, *few, "--zone-batch", str(batch), "--assign", policy)
+                self.assertEqual(told["image"]["sha256_pixels"], expected)
+        stats = self.folder / "killed.json"
+        job = Job(4, "render", scene, "-o", self.folder / "k.png", "--stats", stats, "-v", *usual, "--zone-rays", "400000", "--zone-batch", "100")
+        job.wait_until_it_says("tracing begins")
+        time.sleep(0.3)
+        job.hurt(2, signal.SIGKILL)
+        result = job.wait()
+        self.assertEqual(result.code, 0, result.stderr)
+        told = json.loads(stats.read_text())
+        whole = self.render(1, scene, *usual, "--zone-rays", "400000")
+        self.assertEqual(told["image"]["sha256_pixels"], whole["image"]["sha256_pixels"])
+        self.assertEqual(told["nodes_lost"], [2])
+
+    def test_a_walk_shares_its_zones_and_a_file_keeps_them(self):
+        walk = ["--lighting", "zonal", "--size", "24x24", "--zone-size", "0.5", "--zone-rays", "5000"]
+        file = self.folder / "room.zones"
+        first = self.render(1, SCENES / "goral_room.yaml", *walk, "--zones", file)
+        again = self.render(1, SCENES / "goral_room.yaml", *walk, "--zones", file)
+        self.assertGreater(first["zones"]["rounds"], 1)
+        self.assertEqual(again["zones"]["rounds"], 0)
+        self.assertEqual(again["image"]["sha256_pixels"], first["image"]["sha256_pixels"])
+        other = self.run_alone("render", SCENES / "goral_room.yaml", "-o", self.folder / "o.png", *walk, "--zone-view", "flat", "--zones", file)
+        self.assertEqual(other.code, 0, other.stderr)  # the view is the picture's alone
+
+    def test_too_many_zones_are_refused(self):
+        for option in (["--zone-size", "1e-6"], ["--zone-memory", "0.001"]):
+            result = self.run_alone("render", SCENES / "goral_room.yaml", "-o", self.folder / "o.png", "--lighting", "zonal", *option)
+            self.assertEqual(result.code, 1, result.stderr)
+            self.assertIn("--zone-size", result.stderr)
+        for option in (["--zone-size", "0"], ["--zone-size", "1e-30"], ["--zone-tolerance", "2"]):
+            result = self.run_alone("render", SCENES / "goral_room.yaml", "-o", self.folder / "o.png", "--lighting", "zonal", *option)
+            self.assertEqual(result.code, 2, result.stderr)
+            self.assertIn(option[0], result.stderr)
+
+
 class WhatGoesWrong(ZonesTest):
     def test_a_part_that_fails_three_times(self):
         file = self.folder / "a.zones"

@@ -122,5 +122,93 @@ TEST(Zones, OneZoneAtATimeComesToTheSame) {
     EXPECT_NEAR(solved.mean_radiosity(grid).x / pi, 0.99, 0.02);
 }
 
+/// Mean colour of a small picture.
+Color mean_of(const std::vector<float>& values) {
+  Color sum(0);
+  for (size_t i = 0; i < values.size(); ++i) sum[static_cast<int>(i % 3)] += values[i];
+  return sum / (static_cast<double>(values.size()) / 3);
+}
+
+TEST(ZoneViews, ShowWhatPathsFind) {
+  // A room with a lamp, and in it what zones keep by directions, a mirror and glass: all views have the mean
+  // of paths, which judge them.
+  std::string text =
+      "view: {location: [0, 0, 0.9], look_at: [0, -0.3, -1], field_of_view: 80, aspect: 1}\n"
+      "materials:\n  wall: {lambertian: [0.7, 0.5, 0.3]}\n  lamp: {luminaire: {color: 0, emission: 8}}\n"
+      "  mirror: {conductor: {metal: silver}}\n  gold: {conductor: {metal: gold, exponent: 15}}\n"
+      "  glass: {dielectric: {index: 1.5}}\nscene:\n"
+      "  - {material: lamp, polygon: {points: "
+      "[[-0.4,0.98,-0.4],[0.4,0.98,-0.4],[0.4,0.98,0.4],[-0.4,0.98,0.4]]}}\n"
+      "  - {material: gold, sphere: {center: [0.5,-0.6,-0.4], radius: 0.35}}\n"
+      "  - {material: mirror, sphere: {center: [-0.5,-0.6,-0.4], radius: 0.35}}\n"
+      "  - {material: glass, sphere: {center: [0,-0.75,0.1], radius: 0.2}}\n" +
+      room("wall");
+  RenderSettings settings = zone_settings(0.2, 60'000);
+  SolvedZones solved(text, settings);
+  RenderSettings paths = test::picture_settings(16, 16, LightingModel::path);
+  limit_by_depth(paths, kPathDepth);
+  paths.samples = 512;
+  const RenderedPixels rendered = Renderer(solved.compiled.scene, paths).render(0, paths.crop, [] {});
+  std::vector<float> judge(rendered.pixels.size() / sizeof(float));
+  std::memcpy(judge.data(), rendered.pixels.data(), rendered.pixels.size());
+  const Color expected = mean_of(judge);
+  for (const ZoneView view : {ZoneView::flat, ZoneView::smooth, ZoneView::direct, ZoneView::gather}) {
+    SCOPED_TRACE(kZoneViewWords[static_cast<size_t>(view)]);
+    solved.settings.zones.view = view;
+    const Color mean = mean_of(solved.picture(16, 16, 64));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c] / expected[c], 1, 0.03);
+  }
+}
+
+/// A shaft between perfect mirrors, 1 wide, whose floor shines and takes all that comes back, open above:
+/// what escapes of what is shot is what gets through an endless slab.
+double through_slab(const std::string& coefficients) {
+  std::string text = test::view_text() +
+                     "materials: {mirror: {diffuse: 0, ambient: 0, reflect: 1}, floor: "
+                     "{luminaire: {color: 0, emission: 1}}}\n"
+                     "media: [{box: {min: [0,0,0], max: [1,1,1]}, " +
+                     coefficients +
+                     "}]\nscene:\n"
+                     "  - {material: floor, polygon: {points: [[0,0,0],[0,0,1],[1,0,1],[1,0,0]]}}\n";
+  for (const char* points : {"[0,0,0],[1,0,0],[1,2,0],[0,2,0]", "[0,0,1],[0,2,1],[1,2,1],[1,0,1]",
+                             "[0,0,0],[0,2,0],[0,2,1],[0,0,1]", "[1,0,0],[1,0,1],[1,2,1],[1,2,0]"})
+    text += fmt::format("  - {{material: mirror, polygon: {{points: [{}]}}}}\n", points);
+  RenderSettings settings = zone_settings(0.05, 30'000);
+  settings.zones.primary = ZonePrimary::shot;
+  settings.zones.tolerance = 5e-4;
+  limit_by_depth(settings, kMostDepth);
+  SolvedZones solved(text, settings);
+  return solved.solution.escaped.total() / solved.solution.primary.total();
+}
+
+TEST(ZonesOfMedia, SlabsLetThroughWhatTheyShould) {
+  // 2 E₃(τ) of diffuse light where nothing is scattered; where all is, evenly, 0.704, 0.553, 0.390 at τ of
+  // 0.5, 1 and 2 (zonal.md, section 5).
+  EXPECT_NEAR(through_slab("absorption: 1, scattering: 0"), 0.2194, 0.003);
+  EXPECT_NEAR(through_slab("absorption: 0, scattering: 0.5"), 0.704, 0.007);
+  EXPECT_NEAR(through_slab("absorption: 0, scattering: 1"), 0.553, 0.006);
+  EXPECT_NEAR(through_slab("absorption: 0, scattering: 2"), 0.390, 0.004);
+}
+
+TEST(ZonesOfMedia, FurnaceWithAWhiteMedium) {
+  // Closed, ω = 1: walls and medium show E / (1 - ρ) wherever one looks, whatever the phase function.
+  for (const char* g : {"0", "0.5"}) {
+    SCOPED_TRACE(g);
+    RenderSettings settings = zone_settings(0.4, 60'000, ZoneView::smooth);
+    settings.zones.primary = ZonePrimary::shot;
+    SolvedZones solved(
+        "view: {location: [0.3, 0.2, 0.5], look_at: [0, 0, -1], field_of_view: 70, aspect: 1}\n"
+        "media: [{box: {min: [-1,-1,-1], max: [1,1,1]}, absorption: 0, scattering: 1, g: " +
+            std::string(g) +
+            "}]\n"
+            "materials: {wall: {luminaire: {color: 0.5, emission: 1}}}\nscene:\n" +
+            room("wall"),
+        settings);
+    const std::vector<float> picture = solved.picture(8, 8, 4);
+    EXPECT_NEAR(mean_of(picture).x, 2, 0.02);
+    for (const float value : picture) EXPECT_NEAR(value, 2, 0.25);
+  }
+}
+
 }  // namespace
 }  // namespace rayfarm
