@@ -21,8 +21,8 @@ void add_zone_options(Options& options, RenderOptions& o) {
   options.number("--zone-tolerance", zones.tolerance, 1e-9, 1,
                  "zonal: rounds end when this part of all power is unsent (default: 0.001)");
   options.choice<ZonePrimary>("--zone-primary", zones.primary, choices<ZonePrimary>(kZonePrimaryWords),
-                              "zonal: zones measure light from all sources by shadow rays; or luminous zones "
-                              "shoot what they emit (default: direct)");
+                              "zones measure light from all sources by shadow rays; or luminous zones send "
+                              "what they emit as they send other light (default: direct)");
   options.choice<ZoneShooting>("--shoot", zones.shooting, choices<ZoneShooting>(kZoneShootingWords),
                                "zonal: all zones send in a round, or the one that has most to send (default: "
                                "all)");

@@ -6,6 +6,7 @@
 
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/self_hits.h"
+#include "common/materials/scattering.h"
 #include "common/scene/settings_codec.h"
 #include "host/instrument/missing_subpolygons.h"
 #include "host/process/exit_code.h"
@@ -108,8 +109,50 @@ bool has_lighting_tree(LightingModel model) {
 }
 }  // namespace
 
+namespace {
+
+void name_idle_zone_options(const RenderSettings& s, std::vector<std::string>& notes) {
+  const ZoneSettings &zones = s.zones, usual;
+  if (!has_zones(s.lighting)) {
+    if (!(zones == usual))
+      notes.emplace_back(
+          "options of zones (--zone-..., --shoot, --form-factors, --hemicube) belong to --lighting radiosity "
+          "and zonal, and do nothing here");
+    return;
+  }
+  const bool has_factors = zones.form_factors != usual.form_factors,
+             has_hemicube = zones.hemicube_cells != usual.hemicube_cells;
+  if (s.lighting == LightingModel::zonal) {
+    if (has_factors || has_hemicube)
+      notes.emplace_back("--form-factors and --hemicube belong to --lighting radiosity, and do nothing here");
+    return;
+  }
+  if (zones.shooting != usual.shooting || zones.tolerance != usual.tolerance)
+    notes.emplace_back("--shoot and --zone-tolerance belong to --lighting zonal, and do nothing here");
+  if (has_hemicube && !has_factors)
+    notes.emplace_back("--hemicube belongs to --form-factors hemicube, and does nothing here");
+  if (zones.rays != usual.rays && has_factors)
+    notes.emplace_back("--zone-rays belongs to --form-factors rays, and does nothing here: --hemicube does");
+}
+
+/// True if some of what the material scatters is not spread by Lambert's law.
+bool is_shiny(const Material& material) {
+  if (material.kind == MaterialKind::mix) return false;  // its parts are materials
+  for (const bool is_front : {true, false}) {
+    Lobes lobes;
+    scatter(material,
+            {Vec3(0, 0, 1), Vec3(0, 0, 1), is_front, is_front ? material.index : 1 / material.index}, lobes);
+    for (const Lobe& lobe : lobes)
+      if (lobe.spread != Lobe::Spread::diffuse && lobe.attenuation != Color(0)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process) {
   std::vector<std::string> notes;
+  name_idle_zone_options(options.settings, notes);
   const RenderSettings& s = options.settings;
   const RenderSettings usual;
   if (s.lighting != LightingModel::thesis &&
@@ -175,6 +218,20 @@ std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneD
     return std::any_of(scene.materials.begin(), scene.materials.end(), is_one);
   };
   std::vector<std::string> notes;
+  if (s.lighting == LightingModel::radiosity) {
+    std::string shiny;
+    for (const MaterialDescription& material : scene.materials)
+      if (is_shiny(material)) shiny += fmt::format("{}'{}'", shiny.empty() ? "" : ", ", material.name);
+    if (!shiny.empty())
+      notes.push_back(fmt::format(
+          "--lighting radiosity has no mirrors, glass and highlights: zones get no light by way of these "
+          "materials, though pictures show them: {}; --lighting zonal follows it",
+          shiny));
+    if (!scene.media.empty())
+      notes.emplace_back(
+          "--lighting radiosity: media scatter light straight from sources alone, and do not weaken what "
+          "zones send each other; --lighting zonal follows both");
+  }
   if (has_lighting_tree(s.lighting)) {
     if (s.reflected_rays > 1 && !have([](const Material& m) {
           return m.exponent > 0 && m.reflect + m.transmit > 0 && has_reflected_rays(m);

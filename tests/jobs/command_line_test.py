@@ -205,6 +205,21 @@ class Usage(JobTest):
                     says=["('floor')", "front alone", "by a bound on rounding", "'paper'", "--light-buffer does nothing with --self-hit medium"])
         self.assertNotIn("self-hit", self.expect(0, "render", open_scene, *small).stderr)
 
+    def test_radiosity_names_what_it_leaves_out(self):
+        """The thesis's 2.2.5: "The model cannot account for reflective, transparent, or specular lighting effects"."""
+        small = ("--size", "16x12", "--progress", "none", "-o", self.folder / "a.png")
+        matrix = ("--lighting", "radiosity", "--zone-size", "1", "--zone-rays", "100")
+        room = self.write("room.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nlights: [{position: [1, 2, 9]}]\n"
+                          "materials: {wall: {lambertian: 0.5}, pane: {dielectric: {index: 1.5}}}\n"
+                          "scene: [{material: wall, box: {min: [-1, -1, -1], max: [1, 1, 0]}}, {material: pane, sphere: {center: [0, 0, 2], radius: 0.5}}]\n")
+        result = self.expect(0, "render", room, *small, *matrix, "--shoot", "one", "--hemicube", "8",
+                             says=["'pane'; --lighting zonal", "--shoot and --zone-tolerance belong", "--hemicube belongs"])
+        self.assertNotIn("'wall'", result.stderr)
+        self.expect(0, "render", room, *small, "--lighting", "zonal", "--form-factors", "hemicube", says=["belong to --lighting radiosity"])
+        self.expect(0, "render", room, *small, "--zone-size", "1", says=["options of zones"])
+        self.expect(1, "render", room, *small, *matrix[:2], "--zone-size", "0.02", "--form-factors", "hemicube", "--zone-memory", "0.1",
+                    says=["sides of zones", "a larger --zone-size, a smaller --hemicube"])
+
     def test_impossible_material(self):
         scene = self.write("impossible.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nmaterials: {m: {lambertian: 1.5}}\nscene: []\n")
         self.expect(3, "render", scene, "-o", self.folder / "a.png", says=["impossible.yaml:2:", "1.5 times the light"])

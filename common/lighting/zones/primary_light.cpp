@@ -17,11 +17,8 @@ bool is_shot(const Scene& scene, const ZoneSettings& settings, const Light& ligh
 }
 
 ZonePoint PrimaryLight::point(const ZoneGrid& grid, uint32_t cell, uint32_t side, uint32_t sample) const {
-  const SampleId id = id_of(grid.first_cell + uint64_t{cell}, side, sample);
-  return map_.point(grid, cell, side, sampler_.point(id, kOnZone), [&](uint32_t i) {
-    const auto r = random_pair(settings_.seed, sampler_.frame(), id, dimension::of_mix(i + 1));
-    return Vec2(r[0], r[1]);
-  });
+  return sample_zone(map_, sampler_, settings_.seed, grid, cell, side,
+                     id_of(grid.first_cell + uint64_t{cell}, side, sample));
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/lighting/ray_counts.h"
+#include "common/lighting/zones/lit_surface.h"
 #include "common/lighting/zones/medium_zones.h"
 #include "common/lighting/zones/zone_map.h"
 #include "common/materials/scattering.h"
@@ -12,9 +13,6 @@
 #include "common/scene/render_settings.h"
 
 namespace rayfarm {
-
-/// What the random numbers are for that place a point on a zone.
-inline constexpr uint32_t kOnZone = dimension::kLens;
 
 /// What comes to a point of a zone.
 struct Arrival {

@@ -1,10 +1,7 @@
 // The host's part of progressive refinement: it holds the sums.
 #include <fmt/core.h>
 
-#include <map>
-#include <numbers>
-
-#include "common/lighting/zones/primary_light.h"
+#include "common/lighting/zones/measured_light.h"
 #include "common/lighting/zones/shooting.h"
 #include "common/lighting/zones/zone_solution.h"
 #include "common/lighting/zones/zone_solver.h"
@@ -24,6 +21,7 @@ class ZonalSolver : public ZoneSolver {
       : settings_(settings),
         zones_(scene, settings, frame),
         mirrors_(zones_.map()),
+        measured_(zones_),
         unsent_(slots()),
         next_(slots()) {}
 
@@ -36,9 +34,10 @@ class ZonalSolver : public ZoneSolver {
       current_.emplace(slots());
       unsent_.clear();
       stage_ = ZoneStageKind::light;
-      const uint64_t points = uint64_t{2} * settings_.zones.samples;
-      return make_stage("light from sources", zones_.map().cell_count() + zones_.media().cell_count(),
-                        std::max<uint64_t>(1, settings_.zones.batch / points));
+      const uint64_t batch =
+          std::max<uint64_t>(1, settings_.zones.batch / (uint64_t{2} * settings_.zones.samples));
+      measured_.begin(batch);
+      return make_stage("light from sources", measured_.units(), batch);
     }
     if (stage_ == ZoneStageKind::light && mirrors_.count() > 0) {
       head_.kind = ZoneStageKind::mirrors;
@@ -52,8 +51,7 @@ class ZonalSolver : public ZoneSolver {
 
   void add(uint64_t item, std::span<const std::byte> result) override {
     if (stage_ == ZoneStageKind::light) {
-      check_light(item, result);
-      measured_.emplace(item, std::vector(result.begin(), result.end()));
+      measured_.add(item, result);
       return;
     }
     PackedReader in(result);
@@ -88,77 +86,31 @@ class ZonalSolver : public ZoneSolver {
     PackedWriter out;
     write(out, head_);
     if (head_.kind == ZoneStageKind::shoot) out.sums(sending_ ? *sending_ : unsent_);
-    units_ = units;
-    units_per_item_ = units_per_item;
     return {name, out.take(), units, units_per_item};
   }
 
-  /// The first sum of a cell, and how many it has.
-  std::pair<uint64_t, uint64_t> slots_of_cell(uint64_t i) const {
-    const ZoneMap& map = zones_.map();
-    if (i < map.cell_count()) {
-      const ZoneGrid& grid = map.grids()[map.grid_of_cell(i)];
-      return {grid.slot(static_cast<uint32_t>(i - grid.first_cell), 0), 2 * grid.store.slots()};
-    }
-    const MediumGrid& grid = zones_.media().grid_of_cell(i - map.cell_count());
-    return {map.slot_count() + grid.slot(i - map.cell_count() - grid.first_cell), grid.directions.count()};
-  }
-
-  /// Calls visit(cell, followed, slot, direct, by_chance) for what an item tells; visit(cell, followed) once
-  /// for each cell.
-  template <typename VisitCell, typename VisitSlot>
-  void read_light(uint64_t item, std::span<const std::byte> result, VisitCell visit_cell,
-                  VisitSlot visit_slot) const {
-    PackedReader in(result);
-    const uint64_t first = item * units_per_item_, end = std::min(units_, first + units_per_item_);
-    for (uint64_t i = first; i < end; ++i) {
-      const auto [first_slot, slots] = slots_of_cell(i);
-      const uint64_t lit = in.number(), has_followed = in.number();
-      if (lit > slots || has_followed > 1) throw PackedReader::damaged();
-      visit_cell(has_followed ? in.color() : Color(0));
-      for (uint64_t s = 0; s < lit; ++s) {
-        const uint64_t slot = in.number();
-        if (slot >= slots) throw PackedReader::damaged();
-        const Color direct = in.color(), by_chance = in.color();
-        visit_slot(first_slot + slot, direct, by_chance);
-      }
-    }
-    in.expect_end();
-  }
-  void check_light(uint64_t item, std::span<const std::byte> result) const {
-    read_light(
-        item, result, [](const Color&) {}, [](uint64_t, const Color&, const Color&) {});
-  }
-
-  /// Sums of doubles, in the order of zones whatever the order in which they came.
   void end_light() {
-    Color primary(0);
-    for (const auto& [item, bytes] : measured_)
-      read_light(
-          item, bytes, [&](const Color& followed) { primary += followed; },
-          [&](uint64_t, const Color& direct, const Color& by_chance) { primary += direct + by_chance; });
-    const std::vector<std::pair<uint64_t, Color>> shot = find_shot();
+    Color primary = measured_.total();
+    const std::vector<std::pair<uint64_t, Color>> shot = find_shot(zones_, scene(), settings_.zones);
     for (const auto& [slot, power] : shot) primary += power;
     for (int c = 0; c < 3; ++c) head_.quantum.worth[static_cast<size_t>(c)] = primary[c] / kQuanta;
     current_->quantum = head_.quantum;
-    for (const auto& [item, bytes] : measured_)
-      read_light(
-          item, bytes, [](const Color&) {},
-          [&](uint64_t slot, const Color& direct, const Color& by_chance) {
-            const Power from_sources = head_.quantum.quantized(direct),
-                        by_others = head_.quantum.quantized(by_chance);
-            current_->direct[slot] += from_sources;
-            Power both = from_sources;
-            both += by_others;
-            current_->primary += both;
-            keep(slot, both);
-          });
+    measured_.for_each([](const Color&) {},
+                       [&](uint64_t slot, const Color& direct, const Color& by_chance) {
+                         const Power from_sources = head_.quantum.quantized(direct),
+                                     by_others = head_.quantum.quantized(by_chance);
+                         current_->direct[slot] += from_sources;
+                         Power both = from_sources;
+                         both += by_others;
+                         current_->primary += both;
+                         keep(slot, both);
+                       });
     for (const auto& [slot, power] : shot) {
       const Power quanta = head_.quantum.quantized(power);
       current_->primary += quanta;
       unsent_[slot] += quanta;  // what is emitted is seen as such, and not counted as reflected
     }
-    measured_.clear();
+    measured_.begin(1);
   }
 
   /// Power that a zone got: it is to be sent on, unless its material doesn't.
@@ -168,24 +120,6 @@ class ZonalSolver : public ZoneSolver {
       unsent_[slot] += power;
     else
       current_->absorbed += power;
-  }
-
-  /// What zones of sources emit that are to shoot.
-  std::vector<std::pair<uint64_t, Color>> find_shot() const {
-    std::vector<std::pair<uint64_t, Color>> shot;
-    for (const Light& light : scene().lights) {
-      if (!is_shot(scene(), settings_.zones, light)) continue;
-      Hit hit;
-      hit.instance = light.instance;
-      hit.primitive = light.primitive;
-      const ZoneGrid* const grid = zones_.map().grid_of(hit);
-      if (!grid) continue;
-      const Material& material = scene().materials[light.material];
-      for (uint32_t cell = 0; cell < grid->cell_count; ++cell)
-        shot.emplace_back(grid->slot(cell, material.is_inward),
-                          std::numbers::pi * zones_.map().area(*grid, cell) * material.emission);
-    }
-    return shot;
   }
 
   void end_stage() {
@@ -246,6 +180,7 @@ class ZonalSolver : public ZoneSolver {
   RenderSettings settings_;
   ZoneScene zones_;
   MirrorUnits mirrors_;
+  MeasuredLight measured_;
   std::vector<ZonePassSolution> solved_;
   // Of the pass that is worked on.
   std::optional<ZonePassSolution> current_;
@@ -256,8 +191,6 @@ class ZonalSolver : public ZoneSolver {
   // Of the stage that is worked on; none before a pass's first.
   std::optional<ZoneStageKind> stage_;
   ZoneStageHead head_;
-  uint64_t units_ = 0, units_per_item_ = 1;
-  std::map<uint64_t, std::vector<std::byte>> measured_;  ///< by item
 };
 
 }  // namespace

@@ -1,13 +1,10 @@
 // A node's part of progressive refinement.
 #include <numeric>
 
-#include "common/lighting/textured.h"
+#include "common/lighting/zones/measured_light.h"
 #include "common/lighting/zones/power_rays.h"
-#include "common/lighting/zones/primary_light.h"
 #include "common/lighting/zones/shooting.h"
 #include "common/lighting/zones/zone_solver.h"
-#include "common/materials/fresnel.h"
-#include "common/sampling/warps.h"
 
 namespace rayfarm {
 namespace {
@@ -51,8 +48,10 @@ class ZonalTracer : public ZoneTracer {
                                                                   : first_ray_.back();
     if (first > units || count > units - first) throw std::runtime_error("zones have no such units");
     ZoneItemResult result;
-    result.bytes = head_.kind == ZoneStageKind::light ? measure_light(first, count, pulse, result.rays)
-                                                      : send_rays(first, count, pulse, result.rays);
+    result.bytes =
+        head_.kind == ZoneStageKind::light
+            ? measure_light(zones_, scene(), colors(), sampler_, settings_, first, count, pulse, result.rays)
+            : send_rays(first, count, pulse, result.rays);
     return result;
   }
 
@@ -60,115 +59,10 @@ class ZonalTracer : public ZoneTracer {
   const Scene& scene() const { return zones_.scene(head_.pass); }
   const ZoneColors& colors() const { return *colors_[head_.pass]; }
 
-  /// A surface as light from one direction finds it.
-  struct Lit {
-    Surface surface;
-    Material material;
-    Interaction at;
-    Lobes lobes;
-  };
-  /// `choice`: of a mix. `index_ratio` of dielectrics is that against air.
-  Lit look_at(const ZonePoint& point, const Vec3& to_source, double choice) const {
-    Lit lit{point.surface, scene().materials[point.surface.material], {}, {}};
-    if (is_textured(lit.material))
-      lit.material = textured(scene(), zones_.pose(), {point.surface.p, -to_source}, point.hit,
-                              zones_.map().size() / 4, choice, lit.surface);
-    lit.at = interaction_at(lit.surface, -to_source, lit.material);
-    scatter(lit.material, lit.at, lit.lobes);
-    return lit;
+  LitSurface look_at(const ZonePoint& point, const Vec3& to_source, double choice) const {
+    return rayfarm::look_at(scene(), zones_.map(), point.surface, point.hit, to_source, choice);
   }
   double choice_of(const SampleId& id) const { return sampler_.point(id, dimension::of_mix(0)).x; }
-
-  /// What zones of one cell keep of the light straight from sources.
-  struct ZoneLit {
-    explicit ZoneLit(uint64_t slots) : direct(slots, Color(0)), chance(slots, Color(0)) {}
-    std::vector<Color>& kept(const Arrival& arrival) { return arrival.is_by_chance ? chance : direct; }
-    std::vector<Color> direct, chance;  ///< by slot, from the cell's first
-    Color followed{0};                  ///< of it, what goes on from the surface
-  };
-
-  ZoneLit measure_surface(const PrimaryLight& light, uint64_t i, RayCounts& counts) const {
-    const ZoneMap& map = zones_.map();
-    const ZoneGrid& grid = map.grids()[map.grid_of_cell(i)];
-    const auto cell = static_cast<uint32_t>(i - grid.first_cell);
-    const uint64_t slots = 2 * grid.store.slots(), first_slot = grid.slot(cell, 0);
-    ZoneLit result(slots);
-    const bool is_seen =
-        grid.store.is_any() || is_followed_at(scene(), scene().materials[grid.material], grid);
-    for (uint32_t side = 0; side < 2 && is_seen && map.area(grid, cell) > 0; ++side)
-      light.for_each_arrival(
-          grid, cell, side, counts, [&](const ZonePoint& point, uint32_t sample, const Arrival& arrival) {
-            const SampleId id = PrimaryLight::id_of(i, side, sample);
-            const Lit lit = look_at(point, arrival.to_source, choice_of(id));
-            for (const Lobe& lobe : followed_lobes(&grid, lit.material, lit.at, lit.lobes))
-              result.followed += arrival.power * lobe.attenuation;
-            if (!grid.store.is_any()) return;
-            KeptParts parts;
-            find_kept(
-                grid, cell, colors()(grid, cell), lit.surface, lit.at, lit.lobes, point.tangent,
-                [&](uint32_t k) {
-                  return sampler_.point({id.x, id.y, 16 * sample + k},
-                                        dimension::of_bounce(1, dimension::kLightPoint));
-                },
-                parts);
-            for (const KeptPart& part : parts)
-              result.kept(arrival)[part.slot - first_slot] += arrival.power * part.fraction;
-          });
-    return result;
-  }
-
-  ZoneLit measure_medium(const PrimaryLight& light, uint64_t i, RayCounts& counts) const {
-    const MediumGrid& grid = zones_.media().grid_of_cell(i);
-    const uint64_t cell = i - grid.first_cell;
-    ZoneLit result(grid.directions.count());
-    light.for_each_arrival(zones_.media(), grid, cell, counts, [&](uint32_t sample, const Arrival& arrival) {
-      if (grid.directions.rows == 0) {
-        result.kept(arrival)[0] += arrival.power;
-        return;
-      }
-      const SampleId id = PrimaryLight::id_of(zones_.map().cell_count() + i, 0, sample);
-      const Frame frame(-arrival.to_source);
-      for (uint32_t k = 0; k < kSpreadRays; ++k) {
-        const Vec2 u = sampler_.point({id.x, id.y, kSpreadRays * sample + k},
-                                      dimension::of_bounce(1, dimension::kLightPoint));
-        const Vec3 local = sample_henyey_greenstein(u, scene().media[grid.medium].asymmetry);
-        result.kept(arrival)[grid.directions.cell(frame.to_world(local))] +=
-            arrival.power / double{kSpreadRays};
-      }
-    });
-    return result;
-  }
-
-  static void write_lit(PackedWriter& out, const ZoneLit& lit) {
-    uint64_t lit_slots = 0;
-    for (uint64_t s = 0; s < lit.direct.size(); ++s)
-      lit_slots += lit.direct[s] != Color(0) || lit.chance[s] != Color(0) ? 1 : 0;
-    out.number(lit_slots);
-    out.number(lit.followed == Color(0) ? 0 : 1);
-    if (lit.followed != Color(0)) out.color(lit.followed);
-    for (uint64_t s = 0; s < lit.direct.size(); ++s) {
-      if (lit.direct[s] == Color(0) && lit.chance[s] == Color(0)) continue;
-      out.number(s);
-      out.color(lit.direct[s]);
-      out.color(lit.chance[s]);
-    }
-  }
-
-  /// What zones keep of the light straight from sources, and what of it goes on from their surfaces.
-  std::vector<std::byte> measure_light(uint64_t first, uint64_t count, const std::function<void()>& pulse,
-                                       RayCounts& counts) const {
-    const ZoneMap& map = zones_.map();
-    const PrimaryLight light(scene(), map, sampler_, settings_);
-    PackedWriter out;
-    for (uint64_t i = first; i < first + count; ++i) {
-      const bool is_medium = i >= map.cell_count();
-      const ZoneLit lit =
-          is_medium ? measure_medium(light, i - map.cell_count(), counts) : measure_surface(light, i, counts);
-      write_lit(out, lit);
-      pulse();
-    }
-    return out.take();
-  }
 
   std::vector<std::byte> send_rays(uint64_t first, uint64_t count, const std::function<void()>& pulse,
                                    RayCounts& counts) {
@@ -200,7 +94,7 @@ class ZonalTracer : public ZoneTracer {
         *unit.grid, unit.cell, unit.side, counts,
         [&](const ZonePoint& point, uint32_t sample, const Arrival& arrival) {
           const SampleId id = PrimaryLight::id_of(cell, unit.side, sample);
-          const Lit lit = look_at(point, arrival.to_source, choice_of(id));
+          const LitSurface lit = look_at(point, arrival.to_source, choice_of(id));
           const Lobes followed = followed_lobes(unit.grid, lit.material, lit.at, lit.lobes);
           if (followed.empty()) return;
           const ScatteredRay next = rayfarm::sample(
@@ -270,11 +164,7 @@ class ZonalTracer : public ZoneTracer {
     const ZoneMap& map = zones_.map();
     const SlotPlace place = map.place_of_slot(slot);
     const ZoneGrid& grid = map.grids()[place.grid];
-    const ZonePoint point =
-        map.point(grid, place.cell, place.side, sampler_.point(ray.id, kOnZone), [&](uint32_t i) {
-          const auto r = random_pair(settings_.seed, sampler_.frame(), ray.id, dimension::of_mix(i + 1));
-          return Vec2(r[0], r[1]);
-        });
+    const ZonePoint point = sample_zone(map, sampler_, settings_.seed, grid, place.cell, place.side, ray.id);
     Vec2 u = sampler_.point(ray.id, dimension::of_bounce(0, dimension::kDirection));
     if (place.direction > 0) {
       const uint32_t n = grid.store.direction_cells, cell = place.direction - 1;
@@ -300,11 +190,8 @@ class ZonalTracer : public ZoneTracer {
 
   /// What a substrate sends through its polish in a direction.
   double passed_by_polish(const ZonePoint& point, const Vec3& direction, const SampleId& id) const {
-    const Material* material = &scene().materials[point.surface.material];
-    if (material->kind != MaterialKind::polished && material->kind != MaterialKind::mix) return 1;
-    const Lit lit = look_at(point, direction, choice_of(id));
-    if (lit.material.kind != MaterialKind::polished) return 1;
-    return 1 - fresnel_dielectric(glm::dot(lit.at.normal, lit.at.to_viewer), lit.material.index);
+    if (!may_be_polished(scene().materials[point.surface.material])) return 1;
+    return rayfarm::passed_by_polish(look_at(point, direction, choice_of(id)));
   }
 
   RenderSettings settings_;

@@ -108,12 +108,12 @@ ZoneStore store_of(const Scene& scene, const Material& material) {
   return store;
 }
 
-ZoneMap::ZoneMap(const Scene& scene, const Pose& pose, const ZoneSettings& settings)
+ZoneMap::ZoneMap(const Scene& scene, const Pose& pose, const ZoneSettings& settings, bool has_directions)
     : scene_(scene), pose_(pose) {
   find_primitives();
   size_ = settings.size > 0 ? settings.size : find_size();
   most_cells_ = settings.most_bytes() / (sizeof(double) + 2 * kSlotBytes);
-  make_cells(settings);
+  make_cells(settings, has_directions);
 }
 
 void ZoneMap::find_primitives() {
@@ -204,13 +204,14 @@ void ZoneMap::reserve_cells(ZoneGrid& grid, double columns, double rows, bool is
   corners_ += grid.corner_count;
 }
 
-void ZoneMap::make_cells(const ZoneSettings& settings) {
+void ZoneMap::make_cells(const ZoneSettings& settings, bool has_directions) {
   std::vector<ZoneStore> stores;
   for (const Material& material : scene_.materials) stores.push_back(store_of(scene_, material));
   for (uint32_t i = 0; i < grids_.size(); ++i) {
     ZoneGrid& grid = grids_[i];
     if (grid.primitive == kNoPrimitive) continue;
     grid.store = stores[grid.material];
+    if (!has_directions) grid.store.direction_cells = 0;
     switch (grid.primitive.kind()) {
       case PrimitiveKind::triangle:
         make_triangle(grid);

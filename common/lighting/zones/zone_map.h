@@ -62,8 +62,8 @@ struct ZonePoint {
 class ZoneMap {
  public:
   /// Throws std::runtime_error if zones need more memory than is allowed. `scene` and `pose` must stay as
-  /// long.
-  ZoneMap(const Scene& scene, const Pose& pose, const ZoneSettings& settings);
+  /// long. `has_directions`: zones keep what shiny surfaces spread, by direction.
+  ZoneMap(const Scene& scene, const Pose& pose, const ZoneSettings& settings, bool has_directions = true);
 
   std::span<const ZoneGrid> grids() const { return grids_; }
   uint64_t cell_count() const { return areas_.size(); }
@@ -123,7 +123,7 @@ class ZoneMap {
 
   void find_primitives();
   double find_size() const;
-  void make_cells(const ZoneSettings& settings);
+  void make_cells(const ZoneSettings& settings, bool has_directions);
   void make_triangle(ZoneGrid& grid);
   void make_plane(ZoneGrid& grid);
   void make_revolved(ZoneGrid& grid);

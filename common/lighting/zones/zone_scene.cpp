@@ -11,7 +11,7 @@ ZoneScene::ZoneScene(const Scene& scene, const RenderSettings& settings, int fra
       state_(scene_),
       pose_(state_.at(frame)),
       passes_(make_coloured_scenes(scene_, settings)),
-      map_(scene_, pose_, settings.zones),
+      map_(scene_, pose_, settings.zones, settings.lighting != LightingModel::radiosity),
       media_(scene_, map_.size()) {
   if (slot_count() * kSlotBytes > settings.zones.most_bytes())
     throw std::runtime_error(fmt::format(

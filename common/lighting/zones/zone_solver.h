@@ -72,5 +72,7 @@ std::unique_ptr<ZoneTracer> make_zone_tracer(const Scene& scene, const RenderSet
 // Each stands in its model's files.
 std::unique_ptr<ZoneSolver> make_zonal_solver(const Scene& scene, const RenderSettings& settings, int frame);
 std::unique_ptr<ZoneTracer> make_zonal_tracer(const Scene& scene, const RenderSettings& settings, int frame);
+std::unique_ptr<ZoneSolver> make_matrix_solver(const Scene& scene, const RenderSettings& settings, int frame);
+std::unique_ptr<ZoneTracer> make_matrix_tracer(const Scene& scene, const RenderSettings& settings, int frame);
 
 }  // namespace rayfarm
