@@ -80,6 +80,7 @@ std::optional<Bytes> FarmHost::solve_zones(const FrameGroup& group) {
 Bytes FarmHost::spread(ZoneSolver& solver, FrameNumber frame) {
   const int rounds_before = result_.zones.rounds;
   while (std::optional<ZoneStage> stage = solver.next_stage()) {
+    if (stage->units == 0) continue;  // a scene without surfaces has no zones
     zones_.begin(*stage, frame, next_number_, solver);
     run_phase(zones_, kStageAddress, std::move(stage->data));
     result_.zones.rounds = rounds_before + solver.progress().rounds;

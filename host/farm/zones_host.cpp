@@ -9,8 +9,7 @@
 namespace rayfarm {
 
 void ZonesHost::begin(const ZoneStage& stage, FrameNumber frame, uint32_t number, ZoneSolver& solver) {
-  if (stage.units == 0 || stage.units_per_item == 0)
-    throw std::runtime_error(fmt::format("{} has nothing to do", stage.name));
+  if (stage.units_per_item == 0) throw std::runtime_error(fmt::format("{} has nothing to do", stage.name));
   if (stage.units > ZonePhase::kMostUnits ||
       stage.items() > static_cast<uint64_t>(std::numeric_limits<int>::max()))
     throw std::runtime_error(

@@ -313,6 +313,11 @@ std::vector<std::string> name_idle_shading(const RenderSettings& settings, const
     notes.emplace_back(
         "`media` weaken what rays of this lighting model bring, and show no light that they scatter; `path` "
         "and `zonal` do");
+  if (has_zones(settings.lighting) && is_blurred(scene, settings))
+    notes.emplace_back(
+        "things move while the shutter is open: zones keep the light of the moment when it opens, for the "
+        "whole "
+        "frame");
   const auto is_gouraud = [](const auto& polygon) {
     return polygon.smoothing == static_cast<uint32_t>(Smoothing::gouraud);
   };

@@ -140,6 +140,21 @@ class RealZones(JobTest):
         other = self.run_alone("render", SCENES / "goral_room.yaml", "-o", self.folder / "o.png", *walk, "--zone-view", "flat", "--zones", file)
         self.assertEqual(other.code, 0, other.stderr)  # the view is the picture's alone
 
+    def test_odd_scenes(self):
+        view = "view: {location: [0,0,5], look_at: [0,0,0], field_of_view: 40, aspect: 1}\n"
+        sphere = "materials: {m: {lambertian: 0.5}}\nscene: [{material: m, sphere: {center: [0,0,0], radius: 1}}]\n"
+        medium = "lights: [{position: [0,3,0], color: 1}]\nmedia: [{box: {min: [-1,-1,-1], max: [1,1,1]}, absorption: 0.1, scattering: 0.5}]\nscene: []\n"
+        for name, text in (("nothing", "scene: []\n"), ("dark", sphere), ("sky", "background: 0.5\n" + sphere), ("fog", medium)):
+            with self.subTest(name):
+                scene = self.folder / f"{name}.yaml"
+                scene.write_text(view + text)
+                for model in ("zonal", "radiosity"):
+                    self.render(1, scene, "--lighting", model, "--size", "8x8", "--zone-rays", "500", "--zone-samples", "2")
+        moving = self.run_alone("render", SCENES / "animation.yaml", "-o", self.folder / "m.png", "--lighting", "zonal", "--frames", "1",
+                                "--size", "16x12", "--shutter", "0.5", "--zone-size", "2", "--zone-rays", "500", "--zone-samples", "1")
+        self.assertEqual(moving.code, 0, moving.stderr)
+        self.assertIn("zones keep the light of the moment when it opens", moving.stderr)
+
     def test_too_many_zones_are_refused(self):
         for option in (["--zone-size", "1e-6"], ["--zone-memory", "0.001"]):
             result = self.run_alone("render", SCENES / "goral_room.yaml", "-o", self.folder / "o.png", "--lighting", "zonal", *option)

@@ -34,7 +34,7 @@ double lamp_pdf(const Lit& lit, const Vec3& p, const Vec3& d) {
                           : 0;
 }
 
-Lit with_lamp(const std::string& lamp) {
+Lit lit_by_lamp(const std::string& lamp) {
   return Lit("materials: {lamp: {luminaire: {emission: 1}}}\nscene: [{material: lamp, " + lamp + "}]\n");
 }
 
@@ -55,7 +55,7 @@ TEST(LightSampling, LuminairesAreSampledAsTheirDensitySays) {
         "[1.5, 1.2, 0.5]]}",
         "triangles: {points: [[-1, -1, 0.5], [0, 1.5, 0.6], [1, -1, 0.7]], triangles: [[0, 1, 2]]}"}) {
     SCOPED_TRACE(lamp);
-    const Lit lit = with_lamp(lamp);
+    const Lit lit = lit_by_lamp(lamp);
     const Vec3 p(0.05, -0.02, 0.01);
     int samples = 0;
     check_directions(
@@ -72,7 +72,7 @@ TEST(LightSampling, LuminairesAreSampledAsTheirDensitySays) {
 
 TEST(LightSampling, MovedSpheresAreSampledAsTheirDensitySays) {
   // Their density has no bound at the silhouette, so integrals are compared: of 1 and of a cosine.
-  const Lit lit = with_lamp(
+  const Lit lit = lit_by_lamp(
       "transform: [{scale: [1, 0.6, 1]}, {translate: [0, 0.5, 1]}], sphere: {center: [0, 0, 0], radius: "
       "0.6}");
   const Vec3 p(0.05, -0.02, 0.01);

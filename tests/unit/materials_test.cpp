@@ -110,7 +110,7 @@ Interaction interaction(const Case& c, double cosine) {
   return at;
 }
 
-Vec2 random_point(uint32_t i, uint32_t purpose) {
+Vec2 uniform_point(uint32_t i, uint32_t purpose) {
   const auto r = random_pair(5, 0, {0, 0, i}, purpose);
   return {r[0], r[1]};
 }
@@ -159,7 +159,7 @@ TEST(Materials, WhiteFurnace) {
       scatter(c.material, at, lobes);
       double sum = 0;
       for (uint32_t i = 0; i < kRays; ++i) {
-        const ScatteredRay ray = sample(lobes, at, random_point(i, 1), random_point(i, 2).x);
+        const ScatteredRay ray = sample(lobes, at, uniform_point(i, 1), uniform_point(i, 2).x);
         const double squeeze = ray.is_transmitted && c.material.kind == MaterialKind::dielectric
                                    ? at.index_ratio * at.index_ratio
                                    : 1;
@@ -182,10 +182,10 @@ TEST(Materials, SampledDirectionsHaveTheirDensity) {
     double value = 0, density = 0, weight = 0, spread_share = 0, total = 0;
     constexpr uint32_t kRays = 200'000;
     for (uint32_t i = 0; i < kRays; ++i) {
-      const Scattered s = eval(lobes, at, sample_sphere(random_point(i, 3)));
+      const Scattered s = eval(lobes, at, sample_sphere(uniform_point(i, 3)));
       value += 4 * pi * s.value.y / kRays;
       density += 4 * pi * s.pdf / kRays;
-      const ScatteredRay ray = sample(lobes, at, random_point(i, 1), random_point(i, 2).x);
+      const ScatteredRay ray = sample(lobes, at, uniform_point(i, 1), uniform_point(i, 2).x);
       if (ray.spread == Lobe::Spread::perfect) continue;
       weight += ray.weight.y / kRays;
       if (ray.weight != Color(0)) {

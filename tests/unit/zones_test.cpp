@@ -160,6 +160,34 @@ TEST(ZoneViews, ShowWhatPathsFind) {
   }
 }
 
+TEST(ZoneViews, ShotLightIsNotAskedForTwice) {
+  // A panel whose zones shoot and a bulb that zones measure: the view `direct` takes off what shadow rays find,
+  // and no more, whichever zones send first.
+  const std::string text =
+      "view: {location: [0, 0, 0.9], look_at: [0, -0.3, -1], field_of_view: 80, aspect: 1}\n"
+      "lights: [{falloff: true, position: [0.5, 0.2, 0.3], color: 0.4}]\n"
+      "materials:\n  wall: {lambertian: 0.6}\n  lamp: {luminaire: {color: 0, emission: 3}}\nscene:\n"
+      "  - {material: lamp, polygon: {points: [[-0.5,0.98,-0.5],[0.5,0.98,-0.5],[0.5,0.98,0.5],[-0.5,0.98,0.5]]}}\n" +
+      room("wall");
+  Color expected(0);
+  for (const ZoneShooting shooting : {ZoneShooting::all, ZoneShooting::one}) {
+    RenderSettings settings = zone_settings(0.5, 30'000, ZoneView::smooth);
+    settings.zones.primary = ZonePrimary::shot;
+    settings.zones.shooting = shooting;
+    settings.zones.tolerance = 0.01;
+    SolvedZones solved(text, settings);
+    if (shooting == ZoneShooting::all) expected = mean_of(solved.picture(16, 16, 16));
+    solved.settings.zones.view = ZoneView::direct;
+    EXPECT_NEAR(mean_of(solved.picture(16, 16, 64)).x / expected.x, 1, 0.03);
+  }
+}
+
+TEST(Zones, LightThatNeverComesToRestIsRefused) {
+  RenderSettings settings = zone_settings(1, 1'000);
+  settings.zones.samples = 4;
+  EXPECT_THROW(SolvedZones(shining_room(1, "1"), settings), std::runtime_error);
+}
+
 /// A shaft between perfect mirrors, 1 wide, whose floor shines and takes all that comes back, open above:
 /// what escapes of what is shot is what gets through an endless slab.
 double through_slab(const std::string& coefficients) {

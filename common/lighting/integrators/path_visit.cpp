@@ -82,7 +82,7 @@ void PathTracer::take_from_zones(const Path& path, const Hit& hit, const Surface
                                  const Interaction& at, Lobes& lobes) {
   const ZoneGrid* const grid = context_.zones->grid_of(hit);
   if (!grid) return;
-  colors_[path.place] += path.throughput * context_.zones->radiance(*grid, hit, surface, at, lobes);
+  colors_[path.place] += path.throughput * context_.zones->radiance(pose_, *grid, hit, surface, at, lobes);
   Lobes kept, others;
   for (const Lobe& lobe : lobes) (is_kept(*grid, lobe) ? kept : others).push_back(lobe);
   if (context_.zones->view() == ZoneView::direct) add_direct_light(path, surface, at, kept, Lobes());

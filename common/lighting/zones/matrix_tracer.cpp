@@ -12,7 +12,7 @@ class MatrixTracer : public ZoneTracer {
   MatrixTracer(const Scene& scene, const RenderSettings& settings, int frame)
       : settings_(settings),
         zones_(scene, settings, frame),
-        sampler_({SamplingPattern::sobol, 1, settings.seed}, frame),
+        sampler_({SamplingPattern::sobol, 1, settings.seed}, zones_.frame()),
         form_factors_(zones_, sampler_, settings_) {}
 
   void begin(std::span<const std::byte> stage_data) override {

@@ -125,6 +125,9 @@ class PackedWriter {
 /// Throws std::runtime_error where the bytes end too soon or hold what was never written.
 class PackedReader {
  public:
+  /// Of what is told as one power.
+  static constexpr int64_t kMostQuanta = int64_t{1} << 61;
+
   explicit PackedReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   uint64_t number();
@@ -137,7 +140,10 @@ class PackedReader {
   Color color();
   Power power() {
     Power p;
-    for (int64_t& q : p.quanta) q = integer();
+    for (int64_t& q : p.quanta) {
+      q = integer();
+      if (q > kMostQuanta || q < -kMostQuanta) throw damaged();
+    }
     return p;
   }
   /// As PackedWriter::sums: calls visit(slot, power).

@@ -130,18 +130,20 @@ bool PowerTracer::meet(PowerRay& ray, const Hit& hit) {
     KeptParts parts;
     find_kept(
         *grid, cell, colors_(*grid, cell), surface, at, lobes,
-        grid->store.direction_cells > 0 ? map_.tangent(*grid, p_object) : Vec3(0),
+        grid->store.direction_cells > 0 ? map_.tangent(place, *grid, p_object) : Vec3(0),
         [&](uint32_t i) {
           return sampler_.point({ray.id.x, ray.id.y, 16 * ray.id.sample + i},
                                 dimension::of_bounce(stream, dimension::kLightPoint));
         },
         parts);
     const Material& whole = scene_.materials[grid->material];
+    if (!(map_.area(*grid, cell) > 0)) parts.clear();  // rounding led past a rim
     for (const KeptPart& part : parts) {
       const bool is_sent = part.slot == grid->slot(cell, 0) || part.slot == grid->slot(cell, 1)
                                ? has_diffuse_rays(whole)
                                : has_reflected_rays(whole);
-      if (!is_sent) continue;
+      // What comes straight from sources is kept by all.
+      if (!is_sent && !ray.is_direct) continue;
       const Power kept = scaled(left, part.fraction);
       tally_.kept[part.slot] += kept;
       if (ray.is_direct) tally_.direct[part.slot] += kept;

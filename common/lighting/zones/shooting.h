@@ -10,6 +10,7 @@ namespace rayfarm {
 enum class ZoneStageKind : uint8_t {
   light,      ///< zones measure what comes from sources: units are cells
   mirrors,    ///< what comes from sources to mirrors and glass goes on as rays: units are these
+  emit,       ///< luminous zones send what they emit, if that is asked for: units are rays
   shoot,      ///< zones send: units are rays
   count_hits  ///< rays from zones count which zones they see: units are cells
 };

@@ -13,7 +13,7 @@ namespace {
 constexpr uint32_t kMostRounds = 100'000;
 
 /// A sum of all zones' power has room in 63 bits as long as light is reflected fewer than 1024 times.
-constexpr double kQuanta = 0x1p52;
+constexpr double kQuanta = 0x1p52, kMostSendings = 1000;
 
 class ZonalSolver : public ZoneSolver {
  public:
@@ -22,6 +22,7 @@ class ZonalSolver : public ZoneSolver {
         zones_(scene, settings, frame),
         mirrors_(zones_.map()),
         measured_(zones_),
+        emitted_(slots()),
         unsent_(slots()),
         next_(slots()) {}
 
@@ -72,7 +73,9 @@ class ZonalSolver : public ZoneSolver {
     progress.rounds = static_cast<int>(head_.round);
     progress.rays = rays_;
     const double primary = current_ ? current_->primary.total() : 0;
-    progress.unsent = stage_ == ZoneStageKind::shoot && primary > 0 ? unsent_total_ / primary : 1;
+    progress.unsent = (stage_ == ZoneStageKind::shoot || stage_ == ZoneStageKind::emit) && primary > 0
+                          ? unsent_total_ / primary
+                          : 1;
     return progress;
   }
 
@@ -85,6 +88,7 @@ class ZonalSolver : public ZoneSolver {
   ZoneStage make_stage(const std::string& name, uint64_t units, uint64_t units_per_item) {
     PackedWriter out;
     write(out, head_);
+    if (head_.kind == ZoneStageKind::emit) out.sums(emitted_);
     if (head_.kind == ZoneStageKind::shoot) out.sums(sending_ ? *sending_ : unsent_);
     return {name, out.take(), units, units_per_item};
   }
@@ -108,7 +112,7 @@ class ZonalSolver : public ZoneSolver {
     for (const auto& [slot, power] : shot) {
       const Power quanta = head_.quantum.quantized(power);
       current_->primary += quanta;
-      unsent_[slot] += quanta;  // what is emitted is seen as such, and not counted as reflected
+      emitted_[slot] += quanta;  // what is emitted is seen as such, and not counted as reflected
     }
     measured_.begin(1);
   }
@@ -124,6 +128,10 @@ class ZonalSolver : public ZoneSolver {
 
   void end_stage() {
     if (stage_ == ZoneStageKind::light) end_light();
+    if (stage_ == ZoneStageKind::emit) {
+      emitted_.clear();
+      ++head_.round;
+    }
     if (stage_ == ZoneStageKind::shoot) {
       if (sending_) {  // the others keep what they have
         sending_->for_each([&](uint64_t slot, const Power& power) { unsent_[slot] -= power; });
@@ -137,6 +145,22 @@ class ZonalSolver : public ZoneSolver {
     next_.clear();
   }
 
+  /// Sums have room for light that is sent on so often, and no more.
+  void refuse_endless(const Power& unsent) const {
+    for (size_t c = 0; c < 3; ++c) {
+      double total = static_cast<double>(unsent[c]);
+      current_->total.for_each([&](uint64_t, const Power& power) { total += static_cast<double>(power[c]); });
+      if (total > kMostSendings * kQuanta)
+        throw std::runtime_error(
+            fmt::format("light does not come to rest: after {} rounds zones have sent more than {:g} times "
+                        "what there was; "
+                        "surfaces must take up a part of the light that they get (albedos below {:.3f}), or "
+                        "light must get "
+                        "out",
+                        head_.round, kMostSendings, 1 - 1 / kMostSendings));
+    }
+  }
+
   std::optional<ZoneStage> next_round() {
     Power unsent;
     ZoneSenders senders(zones_);
@@ -144,19 +168,34 @@ class ZonalSolver : public ZoneSolver {
       unsent += power;
       senders.add(slot, power);
     });
-    unsent_total_ = unsent.total();
+    Power emitted;
+    emitted_.for_each([&](uint64_t, const Power& power) { emitted += power; });
+    unsent_total_ = unsent.total() + emitted.total();
+    refuse_endless(unsent);
     const bool is_enough = unsent_total_ <= settings_.zones.tolerance * current_->primary.total();
     if (is_enough || !(unsent_total_ > 0) || head_.round >= kMostRounds) {
       current_->unsent = unsent;
+      current_->unsent += emitted;
+      emitted_.clear();
       current_->rounds = head_.round;
       solved_.push_back(std::move(*current_));
       current_.reset();
       stage_.reset();
       return next_stage();
     }
-    if (stage_ != ZoneStageKind::shoot) {
+    if (stage_ != ZoneStageKind::shoot && stage_ != ZoneStageKind::emit) {
       head_.rays = static_cast<double>(settings_.zones.rays);
       head_.first = unsent_total_;
+    }
+    if (!emitted.is_zero()) {
+      head_.kind = ZoneStageKind::emit;
+      stage_ = ZoneStageKind::emit;
+      ZoneSenders shining(zones_);
+      emitted_.for_each([&](uint64_t slot, const Power& power) { shining.add(slot, power); });
+      uint64_t rays = 0;
+      for (const ZoneSender& sender : shining.all()) rays += ray_count(sender, head_);
+      rays_ += rays;
+      return make_stage("light of luminous zones", rays, settings_.zones.batch);
     }
     head_.kind = ZoneStageKind::shoot;
     stage_ = ZoneStageKind::shoot;
@@ -184,6 +223,7 @@ class ZonalSolver : public ZoneSolver {
   std::vector<ZonePassSolution> solved_;
   // Of the pass that is worked on.
   std::optional<ZonePassSolution> current_;
+  PowerSums emitted_;                 ///< by sources that shoot, until they have
   PowerSums unsent_, next_;           ///< to send; and what came in this stage
   std::optional<PowerSums> sending_;  ///< of it, what is sent, if not all
   double unsent_total_ = 0;

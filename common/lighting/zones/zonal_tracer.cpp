@@ -17,7 +17,7 @@ class ZonalTracer : public ZoneTracer {
   ZonalTracer(const Scene& scene, const RenderSettings& settings, int frame)
       : settings_(settings),
         zones_(scene, settings, frame),
-        sampler_({SamplingPattern::sobol, 1, settings.seed}, frame),
+        sampler_({SamplingPattern::sobol, 1, settings.seed}, zones_.frame()),
         mirrors_(zones_.map()),
         colors_(zones_.passes()) {}
 
@@ -28,7 +28,7 @@ class ZonalTracer : public ZoneTracer {
     unsent_.clear();
     first_ray_.assign(1, 0);
     senders_.emplace(zones_);
-    if (head_.kind == ZoneStageKind::shoot) {
+    if (head_.kind == ZoneStageKind::shoot || head_.kind == ZoneStageKind::emit) {
       in.sums(zones_.slot_count(), [&](uint64_t slot, const Power& power) {
         slots_.push_back(slot);
         unsent_.push_back(power);
@@ -148,7 +148,7 @@ class ZonalTracer : public ZoneTracer {
     } else {
       ray.power = power;
     }
-    ray.is_direct = head_.round == 0 && settings_.zones.primary == ZonePrimary::shot;
+    ray.is_direct = head_.kind == ZoneStageKind::emit;
     if (slot < zones_.map().slot_count())
       leave_surface(slot, ray);
     else

@@ -141,9 +141,9 @@ Color ZoneLight::diffuse(const ZoneGrid& grid, const GridPlace& place, uint32_t 
 }
 
 /// Linear between the middles of the cells of directions.
-Color ZoneLight::directional(const ZoneGrid& grid, uint32_t cell, const Surface& surface,
-                             const Vec3& p_object, const Vec3& to_viewer) const {
-  const Vec3 along = map_.tangent(grid, p_object), &n = surface.geometric_normal;
+Color ZoneLight::directional(const InstancePose& pose, const ZoneGrid& grid, uint32_t cell,
+                             const Surface& surface, const Vec3& p_object, const Vec3& to_viewer) const {
+  const Vec3 along = map_.tangent(pose, grid, p_object), &n = surface.geometric_normal;
   const DirectionFrame frame(n, normalized(along - glm::dot(along, n) * n));
   const uint32_t cells = grid.store.direction_cells;
   const uint64_t first = grid.slot(cell, surface.is_front ? 0 : 1) + 1;
@@ -159,9 +159,9 @@ Color ZoneLight::directional(const ZoneGrid& grid, uint32_t cell, const Surface&
          fy * ((1 - fx) * value(0, 1) + fx * value(1, 1));
 }
 
-Color ZoneLight::radiance(const ZoneGrid& grid, const Hit& hit, const Surface& surface, const Interaction& at,
-                          const Lobes& lobes) const {
-  const InstancePose& place = map_.pose()[hit.instance];
+Color ZoneLight::radiance(const Pose& pose, const ZoneGrid& grid, const Hit& hit, const Surface& surface,
+                          const Interaction& at, const Lobes& lobes) const {
+  const InstancePose& place = pose[hit.instance];
   const Vec3 p_object = place.is_identity ? surface.p : place.object_from_world.point(surface.p);
   const GridPlace on_grid = map_.place_of(grid, hit, p_object);
   const uint32_t cell = map_.cell_at(grid, on_grid), side = surface.is_front ? 0 : 1;
@@ -176,7 +176,8 @@ Color ZoneLight::radiance(const ZoneGrid& grid, const Hit& hit, const Surface& s
     const Color part = colors_.is_textured(grid) ? seen : over(seen, albedo.reflected[side] + albedo.through);
     result += kept * part / pi;
   }
-  if (grid.store.direction_cells > 0) result += directional(grid, cell, surface, p_object, at.to_viewer);
+  if (grid.store.direction_cells > 0)
+    result += directional(place, grid, cell, surface, p_object, at.to_viewer);
   return result;
 }
 

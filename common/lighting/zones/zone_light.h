@@ -20,8 +20,9 @@ class ZoneLight {
   }
   /// Radiance that leaves to at.to_viewer by the lobes that are kept. `lobes`: of the surface, seen from
   /// there. In the view `direct` without what came straight from sources.
-  Color radiance(const ZoneGrid& grid, const Hit& hit, const Surface& surface, const Interaction& at,
-                 const Lobes& lobes) const;
+  /// `pose`: where things are for the ray, which may not be where they were for zones.
+  Color radiance(const Pose& pose, const ZoneGrid& grid, const Hit& hit, const Surface& surface,
+                 const Interaction& at, const Lobes& lobes) const;
   /// Radiance that media send against a ray's direction, between 0 and its t_max.
   Color radiance_of_media(const Ray& ray) const;
 
@@ -33,8 +34,8 @@ class ZoneLight {
     return values_[grid.slot(cell, side)];
   }
   Color diffuse(const ZoneGrid& grid, const GridPlace& place, uint32_t side) const;
-  Color directional(const ZoneGrid& grid, uint32_t cell, const Surface& surface, const Vec3& p_object,
-                    const Vec3& to_viewer) const;
+  Color directional(const InstancePose& pose, const ZoneGrid& grid, uint32_t cell, const Surface& surface,
+                    const Vec3& p_object, const Vec3& to_viewer) const;
 
   const Scene scene_;  ///< in the pass's colours
   const ZoneMap& map_;

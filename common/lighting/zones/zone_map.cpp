@@ -181,6 +181,7 @@ double ZoneMap::find_size() const {
       }
     }
   }
+  for (const ParticipatingMedium& medium : scene_.media) area += medium.box.area();
   return area > 0 && std::isfinite(area) ? std::sqrt(area / kUsualCells) : 1;
 }
 

@@ -106,7 +106,7 @@ class ZoneMap {
   /// The corners of a cell: three or four.
   InlineVector<uint32_t, 4> corners_of(const ZoneGrid& grid, uint32_t cell) const;
   /// Where directions are counted from at a point: unit, in the world, not yet across a normal.
-  Vec3 tangent(const ZoneGrid& grid, const Vec3& p_object) const;
+  Vec3 tangent(const InstancePose& place, const ZoneGrid& grid, const Vec3& p_object) const;
 
   const Scene& scene() const { return scene_; }
   const Pose& pose() const { return pose_; }

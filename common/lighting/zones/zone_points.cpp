@@ -70,7 +70,7 @@ ZoneMap::Corner ZoneMap::corner(const ZoneGrid& grid, uint32_t corner) const {
           cells.axes[2]};
 }
 
-Vec3 ZoneMap::tangent(const ZoneGrid& grid, const Vec3& p_object) const {
+Vec3 ZoneMap::tangent(const InstancePose& place, const ZoneGrid& grid, const Vec3& p_object) const {
   Vec3 along(1, 0, 0);
   if (grid.shape == ZoneShape::triangle) {
     const std::array<Vec3, 3> v = triangle_vertices(scene_, grid.block_lane);
@@ -82,7 +82,6 @@ Vec3 ZoneMap::tangent(const ZoneGrid& grid, const Vec3& p_object) const {
     along = glm::cross(cells.axes[2], p_object - cells.center);
     if (along == Vec3(0)) along = cells.axes[0];
   }
-  const InstancePose& place = pose_[grid.instance];
   return normalized(place.is_identity ? along : place.world_from_object.vector(along));
 }
 
@@ -122,7 +121,7 @@ ZonePoint ZoneMap::point_at(const ZoneGrid& grid, uint32_t cell, uint32_t side, 
     result.surface.geometric_normal = -result.surface.geometric_normal;
   }
   result.surface.shading_normal = result.surface.geometric_normal;
-  const Vec3 along = tangent(grid, result.p_object), &n = result.surface.geometric_normal;
+  const Vec3 along = tangent(place, grid, result.p_object), &n = result.surface.geometric_normal;
   result.tangent = normalized(along - glm::dot(along, n) * n);
   return result;
 }

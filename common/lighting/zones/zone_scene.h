@@ -19,12 +19,15 @@ class ZoneScene {
   /// Surfaces' slots, then the media's.
   uint64_t slot_count() const { return map_.slot_count() + media_.slot_count(); }
   const Pose& pose() const { return pose_; }
+  /// Of random numbers: where nothing moves, comes or goes all frames have the same zones.
+  int frame() const { return frame_; }
   size_t passes() const { return passes_.size(); }
   /// The scene in the colours of a pass.
   const Scene& scene(size_t pass) const { return passes_[pass].scene(); }
 
  private:
   Scene scene_;
+  int frame_;
   FrameState state_;
   Pose pose_;
   std::vector<ColouredScene> passes_;
