@@ -161,13 +161,14 @@ TEST(ZoneViews, ShowWhatPathsFind) {
 }
 
 TEST(ZoneViews, ShotLightIsNotAskedForTwice) {
-  // A panel whose zones shoot and a bulb that zones measure: the view `direct` takes off what shadow rays find,
-  // and no more, whichever zones send first.
+  // A panel whose zones shoot and a bulb that zones measure: the view `direct` takes off what shadow rays
+  // find, and no more, whichever zones send first.
   const std::string text =
       "view: {location: [0, 0, 0.9], look_at: [0, -0.3, -1], field_of_view: 80, aspect: 1}\n"
       "lights: [{falloff: true, position: [0.5, 0.2, 0.3], color: 0.4}]\n"
       "materials:\n  wall: {lambertian: 0.6}\n  lamp: {luminaire: {color: 0, emission: 3}}\nscene:\n"
-      "  - {material: lamp, polygon: {points: [[-0.5,0.98,-0.5],[0.5,0.98,-0.5],[0.5,0.98,0.5],[-0.5,0.98,0.5]]}}\n" +
+      "  - {material: lamp, polygon: {points: "
+      "[[-0.5,0.98,-0.5],[0.5,0.98,-0.5],[0.5,0.98,0.5],[-0.5,0.98,0.5]]}}\n" +
       room("wall");
   Color expected(0);
   for (const ZoneShooting shooting : {ZoneShooting::all, ZoneShooting::one}) {
