@@ -5,12 +5,12 @@
 namespace rayfarm {
 namespace {
 /// Of zstd: numbers that are mostly small, of which higher levels make little less.
-constexpr int kLevel = 1;
+constexpr int kBytesLevel = 1;
 }  // namespace
 
 std::optional<Bytes> compress_bytes(std::span<const std::byte> bytes) {
   Bytes out(ZSTD_compressBound(bytes.size()));
-  const size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kLevel);
+  const size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kBytesLevel);
   if (ZSTD_isError(size) || size >= bytes.size()) return std::nullopt;
   out.resize(size);
   return out;

@@ -8,7 +8,7 @@
 namespace rayfarm::fuzz {
 namespace {
 
-std::string text_of(std::span<const std::byte> bytes) {
+std::string words_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -22,22 +22,22 @@ std::vector<std::string> message_seeds() {
         Control(OpenSteps{StepIndex(4)}), Control(SubpolygonDone{report}),
         Control(ItemFailed{1, ItemIndex(2), "no"}), Control(NodeFailed{"no"}), Control(EndProcess{9}),
         Control(Finish{true}), Control(BeginPhase{3, PhaseKind::zones, 2, 1000, 7, 4096})})
-    seeds.push_back(text_of(encode_control(c)));
-  seeds.push_back(text_of(encode_display_polygon(3, {0, 0, 7, 7})));
+    seeds.push_back(words_of(encode_control(c)));
+  seeds.push_back(words_of(encode_display_polygon(3, {0, 0, 7, 7})));
   const Bytes pixels = compress_rgb8(Bytes(3 * 8 * 8), 8, 8);
-  seeds.push_back(text_of(encode_block(3, {report, true, pixels})));
-  seeds.push_back(text_of(encode_unit_range(3, {70'000, 140'000})));
+  seeds.push_back(words_of(encode_block(3, {report, true, pixels})));
+  seeds.push_back(words_of(encode_unit_range(3, {70'000, 140'000})));
   const Bytes sums = *compress_bytes(Bytes(640));
-  seeds.push_back(
-      text_of(encode_zone_result(3, {5, ItemIndex(7), {1, 2, 3, 4, 5}, 1000, {6, 7, 8, 9, 10}, true, sums})));
+  seeds.push_back(words_of(
+      encode_zone_result(3, {5, ItemIndex(7), {1, 2, 3, 4, 5}, 1000, {6, 7, 8, 9, 10}, true, sums})));
   Bytes load;
   const Bytes payload(128, std::byte{9});
   encode_load_data({64, payload}, load);
-  seeds.push_back(text_of(load));
-  seeds.push_back(text_of(encode_load_code(Bytes(16))));
+  seeds.push_back(words_of(load));
+  seeds.push_back(words_of(encode_load_code(Bytes(16))));
   ByteWriter pixel;
   append_pixel(1, {2, 3, {4, 5, 6}}, pixel);
-  seeds.push_back(text_of(pixel.take()));
+  seeds.push_back(words_of(pixel.take()));
   return seeds;
 }
 
