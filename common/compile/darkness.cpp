@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "common/hierarchy/primitive_bounds.h"
 #include "common/hierarchy/region.h"
 #include "common/hierarchy/traverser.h"
 #include "common/materials/scattering.h"
@@ -185,10 +186,7 @@ bool shines_past_everything(const Scene& scene, const Light& light, size_t& pati
 void note_turned_spots(const SceneDescription& description, const Scene& scene,
                        std::span<const Place> places_in_objects, Notes& notes) {
   if (scene.instances.empty()) return;
-  const bool changes = !scene.moving_instances.empty() || has_changing_links(scene) ||
-                       std::any_of(scene.lights.begin(), scene.lights.end(),
-                                   [](const Light& light) { return light.moving != kNone; });
-  const char* when = changes ? " at the first frame" : "";
+  const char* when = has_poses(scene) ? " at the first frame" : "";
   const char* remedy = "check its `position` and `direction`";
   const size_t listed = description.lights.size();
   size_t patience = kPatience;
@@ -219,42 +217,10 @@ void note_turned_spots(const SceneDescription& description, const Scene& scene,
 std::vector<bool> materials_in_use(const Scene& scene) {
   std::vector<bool> is_placed(scene.parts.size()), is_used(scene.materials.size());
   for (const Instance& instance : scene.instances) is_placed[instance.part] = true;
-  const auto use = [&](PrimitiveId id) {
-    if (id == kNoPrimitive) return;
-    switch (id.kind()) {
-      case PrimitiveKind::triangle:
-        is_used[scene.triangle_shading[id.index()].material] = true;
-        return;
-      case PrimitiveKind::sphere:
-        is_used[scene.spheres[id.index()].material] = true;
-        return;
-      case PrimitiveKind::polygon:
-        is_used[scene.polygons[id.index()].material] = true;
-        return;
-      case PrimitiveKind::quadric:
-        is_used[scene.quadrics[id.index()].material] = true;
-        return;
-      case PrimitiveKind::face:
-        is_used[scene.mesh_faces[id.index()].material] = true;
-        return;
-      case PrimitiveKind::collection:  // what is in it stands here, too
-        return;
-    }
-  };
-  for (size_t i = 0; i < scene.parts.size(); ++i) {
-    if (!is_placed[i]) continue;
-    const Part& part = scene.parts[i];
-    for (const TriangleBlock& block :
-         scene.triangle_blocks.subspan(part.first_triangle_block, part.triangle_block_count))
-      for (const PrimitiveId id : block.primitives) use(id);
-    for (const SphereBlock& block :
-         scene.sphere_blocks.subspan(part.first_sphere_block, part.sphere_block_count))
-      for (const uint32_t sphere : block.spheres)
-        if (sphere != kNone) use(make_primitive_id(PrimitiveKind::sphere, sphere));
-    for (const PrimitiveId id :
-         scene.leaf_primitives.subspan(part.first_leaf_primitive, part.leaf_primitive_count))
-      use(id);
-  }
+  for (size_t i = 0; i < scene.parts.size(); ++i)
+    if (is_placed[i])
+      for_each_named(scene, scene.parts[i],
+                     [&](PrimitiveId id, uint32_t) { is_used[material_of(scene, id)] = true; });
   return is_used;
 }
 

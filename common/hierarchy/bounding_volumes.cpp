@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/symmetric.h"
+
 namespace rayfarm {
 namespace {
 
@@ -94,28 +96,13 @@ std::optional<double> entry_into_slabs(const BoundingVolume& v, const Vec3& o, c
   return passage.entry();
 }
 
-/// The principal axes: eigenvectors of the points' covariance, by Jacobi's rotations.
+/// The principal axes: eigenvectors of the points' covariance.
 Mat3 principal_axes(std::span<const FitPoint> points) {
   Vec3 mean(0);
   for (const FitPoint& f : points) mean += f.p / static_cast<double>(points.size());
   Mat3 c(0);
   for (const FitPoint& f : points) c += glm::outerProduct(f.p - mean, f.p - mean);
-  Mat3 axes(1);
-  for (int sweep = 0; sweep < 30; ++sweep)
-    for (int i = 0; i < 2; ++i)
-      for (int j = i + 1; j < 3; ++j) {
-        if (std::abs(c[i][j]) <= 1e-300) continue;
-        const double theta = (c[j][j] - c[i][i]) / (2 * c[i][j]);
-        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-        const double cosine = 1 / std::sqrt(t * t + 1), sine = t * cosine;
-        Mat3 turn(1);
-        turn[i][i] = turn[j][j] = cosine;
-        turn[j][i] = sine;
-        turn[i][j] = -sine;
-        c = glm::transpose(turn) * c * turn;
-        axes = axes * turn;
-      }
-  return axes;
+  return diagonalize(c);
 }
 
 BoundingVolume fit_cylinder(std::span<const FitPoint> points, const Vec3& axis) {

@@ -36,6 +36,12 @@ bool has_changing_links(const Scene& scene) {
                      [](const ObjectNode& node) { return node.visible != kNone; });
 }
 
+bool has_poses(const Scene& scene) {
+  return !scene.moving_instances.empty() || has_changing_links(scene) ||
+         std::any_of(scene.lights.begin(), scene.lights.end(),
+                     [](const Light& light) { return light.moving != kNone; });
+}
+
 LightPlace make_light_place(const LightPlace& in_object, const Affine& world) {
   LightPlace place = in_object;
   if (world.is_identity()) return place;

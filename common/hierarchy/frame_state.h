@@ -45,6 +45,8 @@ std::vector<char> visible_nodes(const Scene& scene, double frame);
 
 /// True if some object or light is not there in every frame.
 bool has_changing_links(const Scene& scene);
+/// True if something but the camera moves, comes or goes in some frame.
+bool has_poses(const Scene& scene);
 
 /// Where a light stands whose object node has this transform. Throws std::domain_error if the transform is
 /// singular or not finite.

@@ -73,6 +73,24 @@ Box bounds_of(const Scene& scene, PrimitivePointer pointer) {
   return box;
 }
 
+uint32_t material_of(const Scene& scene, PrimitiveId id) {
+  switch (id.kind()) {
+    case PrimitiveKind::triangle:
+      return scene.triangle_shading[id.index()].material;
+    case PrimitiveKind::sphere:
+      return scene.spheres[id.index()].material;
+    case PrimitiveKind::polygon:
+      return scene.polygons[id.index()].material;
+    case PrimitiveKind::quadric:
+      return scene.quadrics[id.index()].material;
+    case PrimitiveKind::face:
+      return scene.mesh_faces[id.index()].material;
+    case PrimitiveKind::collection:
+      break;
+  }
+  return 0;
+}
+
 Box clipped_to(const Scene& scene, PrimitiveId primitive, const Box& cell) {
   const uint32_t i = primitive.index();
   switch (primitive.kind()) {

@@ -1,6 +1,7 @@
 #pragma once
 // What builders ask of primitives: "the builder module asks for certain geometric characteristic from the
 // primitive" (Shirley, Sung and Brown 1991, 2.3.2). Here of those that stand in the scene's arrays.
+#include <cmath>
 #include <span>
 
 #include "common/hierarchy/builder.h"
@@ -14,6 +15,26 @@ Box bounds_of(const Scene& scene, PrimitiveId primitive);
 Box bounds_of(const Scene& scene, PrimitivePointer pointer);
 /// The box of its piece inside `cell`, empty if there is none. May be larger, never smaller.
 Box clipped_to(const Scene& scene, PrimitiveId primitive, const Box& cell);
+
+uint32_t material_of(const Scene& scene, PrimitiveId primitive);
+
+/// Calls visit(id, block_lane) for all that a part's arrays name; some more than once.
+template <typename Visit>
+void for_each_named(const Scene& scene, const Part& part, Visit visit) {
+  for (uint32_t b = 0; b < part.triangle_block_count; ++b)
+    for (uint32_t lane = 0; lane < 8; ++lane) {
+      const uint32_t block = part.first_triangle_block + b;
+      const TriangleBlock& triangles = scene.triangle_blocks[block];
+      if (!std::isnan(triangles.vertices[0][0][lane])) visit(triangles.primitives[lane], 8 * block + lane);
+    }
+  for (const SphereBlock& block :
+       scene.sphere_blocks.subspan(part.first_sphere_block, part.sphere_block_count))
+    for (const uint32_t sphere : block.spheres)
+      if (sphere != kNone) visit(make_primitive_id(PrimitiveKind::sphere, sphere), kNone);
+  for (const PrimitiveId id :
+       scene.leaf_primitives.subspan(part.first_leaf_primitive, part.leaf_primitive_count))
+    if (id.kind() != PrimitiveKind::collection) visit(id, kNone);
+}
 
 /// Primitives as lists of cells name them: what was cut into triangles is one.
 class PointedPrimitives : public PrimitiveSource {

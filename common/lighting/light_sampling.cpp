@@ -29,12 +29,6 @@ struct PrimitivePoint {
   double magnitude = 0;  ///< of the numbers that it was computed from
 };
 
-/// How much longer areas of normal `n` are in the world than in the object's space, for |n| = 1.
-double area_scale(const InstancePose& pose, const Vec3& n) {
-  const Vec3 m = pose.object_from_world.normal_by_inverse(n);
-  return std::sqrt(glm::dot(m, m)) / std::abs(glm::determinant(pose.object_from_world.linear));
-}
-
 std::span<const LuminaireTriangle> triangles_of(const Scene& scene, const Light& light) {
   return scene.luminaire_triangles.subspan(light.first_triangle, light.triangle_count);
 }

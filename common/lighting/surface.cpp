@@ -112,6 +112,12 @@ std::array<Vec3, 3> triangle_vertices(const Scene& scene, uint32_t block_lane) {
   return v;
 }
 
+double area_scale(const InstancePose& place, const Vec3& n) {
+  if (place.is_identity) return 1;
+  const Vec3 m = place.object_from_world.normal_by_inverse(n);
+  return std::sqrt(glm::dot(m, m)) / std::abs(glm::determinant(place.object_from_world.linear));
+}
+
 double magnitude_in_world(const InstancePose& place, double local) {
   const Mat3& m = place.world_from_object.linear;
   const double largest = std::max({max_magnitude(m[0]), max_magnitude(m[1]), max_magnitude(m[2])});

@@ -11,6 +11,9 @@ constexpr double rounding_bound(double magnitude) {
   return 0x1p-45 * magnitude;
 }
 
+/// How much longer areas of normal `n` (unit, in the object) are in the world.
+double area_scale(const InstancePose& place, const Vec3& n);
+
 /// The largest number in the computation that places a primitive in the world whose own largest is `local`.
 double magnitude_in_world(const InstancePose& place, double local);
 

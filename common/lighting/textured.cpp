@@ -100,7 +100,7 @@ Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hi
                   double choice, Surface& surface) {
   const InstancePose& place = pose[hit.instance];
   const Vec3 p_world = ray.origin + hit.t * ray.direction;
-  const Vec3 p = place.is_identity ? p_world : place.object_from_world.point(p_world);
+  const Vec3 p = place.in_object(p_world);
   const Frame frame(surface.geometric_normal);
   // Steps along the surface, in the object's space: to measure how fast patterns change there.
   const double step = std::max(width, 1e-4 * std::max(max_magnitude(p_world), hit.t));

@@ -106,6 +106,11 @@ struct InstancePose {
   Box bounds;  ///< in the world
   uint32_t is_identity = 0;
   uint32_t is_hidden = 0;  ///< 1: the frame is without it
+
+  /// Of a point of the world.
+  Vec3 in_object(const Vec3& p_world) const {
+    return is_identity ? p_world : object_from_world.point(p_world);
+  }
 };
 
 struct ViewRecord {

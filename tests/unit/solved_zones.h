@@ -1,11 +1,12 @@
 #pragma once
 // Zones solved in the test's own process.
+#include <numbers>
 #include <numeric>
 #include <random>
 
 #include "common/lighting/renderer.h"
 #include "common/lighting/zones/zone_solver.h"
-#include "tests/unit/test_scene.h"
+#include "tests/unit/probe.h"
 
 namespace rayfarm::test {
 
@@ -77,6 +78,17 @@ struct SolvedZones {
   ZoneScene zones;
   ZonePassSolution solution;
 };
+
+/// A closed room whose ceiling shines with an exitance of 1 too; all reflect 0.7. And what its faces reflect,
+/// by hand with F of opposite faces 0.199825 and of those with a common edge 0.200044.
+inline std::string shining_cube() {
+  std::string text = view_text() +
+                     "materials: {wall: {lambertian: 0.7}, top: {luminaire: {color: 0.7, emission: " +
+                     fmt::format("{:.17g}", 1 / std::numbers::pi) + "}}}\nscene:\n" + room("wall");
+  const size_t top = text.find("material: wall", text.find("[-1,1,-1],[1,1,-1]") - 60);
+  return text.replace(top, 14, "material: top");
+}
+inline constexpr double kOfShiningCube[] = {0.40926, 0.28655, 0.40938, 0.40938, 0.40938, 0.40938};
 
 inline RenderSettings zone_settings(double size, uint32_t rays, ZoneView view = ZoneView::flat) {
   RenderSettings settings;

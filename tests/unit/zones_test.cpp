@@ -47,18 +47,13 @@ TEST(Zones, FurnaceHasTheSameLightEverywhere) {
 
 TEST(Zones, CubeWithAZonePerFace) {
   // F of opposite faces 0.199825, of those with a common edge 0.200044: the equations of six faces, by hand.
-  std::string text = test::view_text() +
-                     "materials: {wall: {lambertian: 0.7}, top: {luminaire: {color: 0.7, emission: " +
-                     fmt::format("{:.17g}", 1 / pi) + "}}}\nscene:\n" + room("wall");
-  const size_t top = text.find("material: wall", text.find("[-1,1,-1],[1,1,-1]") - 60);
-  text.replace(top, 14, "material: top");
   RenderSettings settings = zone_settings(3, 1'000'000);
   settings.zones.samples = 4096;
-  SolvedZones solved(text, settings);
+  SolvedZones solved(test::shining_cube(), settings);
   const auto grids = solved.zones.map().grids();
   ASSERT_EQ(grids.size(), 6u);
-  const double expected[] = {0.40926, 0.28655, 0.40938, 0.40938, 0.40938, 0.40938};
-  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(solved.radiosity(grids[i]).x, expected[i], 0.004) << i;
+  for (size_t i = 0; i < 6; ++i)
+    EXPECT_NEAR(solved.radiosity(grids[i]).x, test::kOfShiningCube[i], 0.004) << i;
 }
 
 TEST(Zones, SphereMixesAllLight) {

@@ -84,7 +84,7 @@ void add_gouraud_light(const FrameContext& context, const Highlights& highlights
                     }
                   }
                   const Vec3 seen = lane_of(surfaces.at.p, i);
-                  const Vec3 p = place.is_identity ? seen : place.object_from_world.point(seen);
+                  const Vec3 p = place.in_object(seen);
                   const auto at_hit = [&](const Gathered<Color>& light) {
                     // In the corners of concave polygons weights may be negative.
                     return glm::max(mean_value_sum(points, light.span(), p, plane_normal).mean(), Color(0));

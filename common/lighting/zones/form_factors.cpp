@@ -153,7 +153,7 @@ void FormFactorTracer::see(Sighted& sighted) const {
     const Ray ray = sighted.rays[i];
     const Surface surface = eval_surface(scene, map.pose(), ray, hit);
     const InstancePose& pose = map.pose()[hit.instance];
-    const Vec3 p_object = pose.is_identity ? surface.p : pose.object_from_world.point(surface.p);
+    const Vec3 p_object = pose.in_object(surface.p);
     const uint64_t slot =
         grid->slot(map.cell_at(*grid, map.place_of(*grid, hit, p_object)), surface.is_front ? 0 : 1);
     if (!is_sent_on(zones_, slot)) continue;

@@ -12,8 +12,6 @@
 namespace rayfarm {
 namespace {
 
-constexpr double kQuanta = 0x1p52;  ///< of all primary power
-
 /// Sweeps end when nothing changes by more than this part of the most that shines by itself.
 constexpr double kLeastChange = 1e-6;
 constexpr uint64_t kMostSweeps = 2000;
@@ -124,7 +122,7 @@ class MatrixSolver : public ZoneSolver {
     const auto shot = find_shot(zones_, scene, settings_.zones);
     Color primary = measured_.total();
     for (const auto& [slot, power] : shot) primary += power;
-    for (int c = 0; c < 3; ++c) result.quantum.worth[static_cast<size_t>(c)] = primary[c] / kQuanta;
+    result.quantum = ZoneQuantum(primary);
     const ZoneQuantum& quantum = result.quantum;
 
     // What shines by itself, and that with what it gets straight from sources: power, then power per area.

@@ -44,9 +44,17 @@ inline Power scaled(const Power& power, const Color& by) {
   return result;
 }
 
+/// All primary power is so many quanta: sums of it have room in 63 bits as long as light is sent on fewer
+/// than kMostSendings times.
+inline constexpr double kQuanta = 0x1p52, kMostSendings = 1000;
+
 /// What one quantum is worth.
 struct ZoneQuantum {
   std::array<double, 3> worth{};
+
+  ZoneQuantum() = default;
+  explicit ZoneQuantum(const Color& primary)
+      : worth{primary.x / kQuanta, primary.y / kQuanta, primary.z / kQuanta} {}
 
   Color value(const Power& power) const {
     return {static_cast<double>(power[0]) * worth[0], static_cast<double>(power[1]) * worth[1],

@@ -125,7 +125,7 @@ bool PowerTracer::meet(PowerRay& ray, const Hit& hit) {
   const ZoneGrid* const grid = map_.grid_of(hit);
   if (grid && grid->store.is_any()) {
     const InstancePose& place = map_.pose()[hit.instance];
-    const Vec3 p_object = place.is_identity ? surface.p : place.object_from_world.point(surface.p);
+    const Vec3 p_object = place.in_object(surface.p);
     const uint32_t cell = map_.cell_at(*grid, map_.place_of(*grid, hit, p_object));
     KeptParts parts;
     find_kept(

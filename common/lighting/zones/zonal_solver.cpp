@@ -1,6 +1,8 @@
 // The host's part of progressive refinement: it holds the sums.
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "common/lighting/zones/measured_light.h"
 #include "common/lighting/zones/shooting.h"
 #include "common/lighting/zones/zone_solution.h"
@@ -11,9 +13,6 @@ namespace {
 
 /// Light in a scene of all but white surfaces needs no more.
 constexpr uint32_t kMostRounds = 100'000;
-
-/// A sum of all zones' power has room in 63 bits as long as light is reflected fewer than 1024 times.
-constexpr double kQuanta = 0x1p52, kMostSendings = 1000;
 
 class ZonalSolver : public ZoneSolver {
  public:
@@ -97,7 +96,7 @@ class ZonalSolver : public ZoneSolver {
     Color primary = measured_.total();
     const std::vector<std::pair<uint64_t, Color>> shot = find_shot(zones_, scene(), settings_.zones);
     for (const auto& [slot, power] : shot) primary += power;
-    for (int c = 0; c < 3; ++c) head_.quantum.worth[static_cast<size_t>(c)] = primary[c] / kQuanta;
+    head_.quantum = ZoneQuantum(primary);
     current_->quantum = head_.quantum;
     measured_.for_each([](const Color&) {},
                        [&](uint64_t slot, const Color& direct, const Color& by_chance) {
@@ -147,18 +146,18 @@ class ZonalSolver : public ZoneSolver {
 
   /// Sums have room for light that is sent on so often, and no more.
   void refuse_endless(const Power& unsent) const {
-    for (size_t c = 0; c < 3; ++c) {
-      double total = static_cast<double>(unsent[c]);
-      current_->total.for_each([&](uint64_t, const Power& power) { total += static_cast<double>(power[c]); });
-      if (total > kMostSendings * kQuanta)
-        throw std::runtime_error(
-            fmt::format("light does not come to rest: after {} rounds zones have sent more than {:g} times "
-                        "what there was; "
-                        "surfaces must take up a part of the light that they get (albedos below {:.3f}), or "
-                        "light must get "
-                        "out",
-                        head_.round, kMostSendings, 1 - 1 / kMostSendings));
-    }
+    std::array<double, 3> had{};
+    const auto count = [&](const Power& power) {
+      for (size_t c = 0; c < 3; ++c) had[c] += static_cast<double>(power[c]);
+    };
+    count(unsent);
+    current_->total.for_each([&](uint64_t, const Power& power) { count(power); });
+    if (*std::max_element(had.begin(), had.end()) > kMostSendings * kQuanta)
+      throw std::runtime_error(fmt::format(
+          "light does not come to rest: after {} rounds zones have sent more than {:g} times what there was; "
+          "surfaces must take up a part of the light that they get (albedos below {:.3f}), or light must get "
+          "out",
+          head_.round, kMostSendings, 1 - 1 / kMostSendings));
   }
 
   std::optional<ZoneStage> next_round() {

@@ -162,7 +162,7 @@ Color ZoneLight::directional(const InstancePose& pose, const ZoneGrid& grid, uin
 Color ZoneLight::radiance(const Pose& pose, const ZoneGrid& grid, const Hit& hit, const Surface& surface,
                           const Interaction& at, const Lobes& lobes) const {
   const InstancePose& place = pose[hit.instance];
-  const Vec3 p_object = place.is_identity ? surface.p : place.object_from_world.point(surface.p);
+  const Vec3 p_object = place.in_object(surface.p);
   const GridPlace on_grid = map_.place_of(grid, hit, p_object);
   const uint32_t cell = map_.cell_at(grid, on_grid), side = surface.is_front ? 0 : 1;
   Color result(0);

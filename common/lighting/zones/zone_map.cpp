@@ -21,42 +21,6 @@ size_t kind_of(PrimitiveId id) {
   return static_cast<size_t>(id.kind());
 }
 
-uint32_t material_of(const Scene& scene, PrimitiveId id) {
-  switch (id.kind()) {
-    case PrimitiveKind::triangle:
-      return scene.triangle_shading[id.index()].material;
-    case PrimitiveKind::sphere:
-      return scene.spheres[id.index()].material;
-    case PrimitiveKind::polygon:
-      return scene.polygons[id.index()].material;
-    case PrimitiveKind::quadric:
-      return scene.quadrics[id.index()].material;
-    case PrimitiveKind::face:
-      return scene.mesh_faces[id.index()].material;
-    case PrimitiveKind::collection:
-      break;
-  }
-  return 0;
-}
-
-/// Calls visit(id, block_lane) for all that a part's arrays name; some more than once.
-template <typename Visit>
-void for_each_named(const Scene& scene, const Part& part, Visit visit) {
-  for (uint32_t b = 0; b < part.triangle_block_count; ++b)
-    for (uint32_t lane = 0; lane < 8; ++lane) {
-      const uint32_t block = part.first_triangle_block + b;
-      const TriangleBlock& triangles = scene.triangle_blocks[block];
-      if (!std::isnan(triangles.vertices[0][0][lane])) visit(triangles.primitives[lane], 8 * block + lane);
-    }
-  for (const SphereBlock& block :
-       scene.sphere_blocks.subspan(part.first_sphere_block, part.sphere_block_count))
-    for (const uint32_t sphere : block.spheres)
-      if (sphere != kNone) visit(make_primitive_id(PrimitiveKind::sphere, sphere), kNone);
-  for (const PrimitiveId id :
-       scene.leaf_primitives.subspan(part.first_leaf_primitive, part.leaf_primitive_count))
-    if (id.kind() != PrimitiveKind::collection) visit(id, kNone);
-}
-
 struct PlanePolygon {
   Gathered<Vec3> points;
   Vec3 normal;
@@ -75,12 +39,6 @@ PlanePolygon polygon_of(const Scene& scene, PrimitiveId id) {
 }
 
 }  // namespace
-
-double area_scale(const InstancePose& place, const Vec3& n) {
-  if (place.is_identity) return 1;
-  const Vec3 m = place.object_from_world.normal_by_inverse(n);
-  return glm::length(m) / std::abs(glm::determinant(place.object_from_world.linear));
-}
 
 ZoneStore store_of(const Scene& scene, const Material& material) {
   if (material.kind == MaterialKind::mix) {
@@ -226,11 +184,9 @@ void ZoneMap::make_cells(const ZoneSettings& settings, bool has_directions) {
     }
     if (grid.shape == ZoneShape::none) {
       grid.store = {};
-      ++unfit_;
       continue;
     }
     grid.first_slot = slots_;
-    if (!grid.store.is_any()) continue;
     slots_ += 2 * uint64_t{grid.cell_count} * grid.store.slots();
     grid_order_.push_back(i);
   }
@@ -357,23 +313,9 @@ const ZoneGrid* ZoneMap::grid_of(const Hit& hit) const {
 }
 
 uint32_t ZoneMap::grid_of_cell(uint64_t cell) const {
-  // Grids have cells in their own order; those without have none, and the number of the one before.
-  size_t low = 0, high = grids_.size();
-  while (low < high) {
-    const size_t middle = (low + high) / 2;
-    size_t at = middle;
-    while (at < high && grids_[at].cell_count == 0) ++at;
-    if (at == high) {
-      high = middle;
-    } else if (grids_[at].first_cell + uint64_t{grids_[at].cell_count} <= cell) {
-      low = at + 1;
-    } else if (grids_[at].first_cell > cell) {
-      high = middle;
-    } else {
-      return static_cast<uint32_t>(at);
-    }
-  }
-  throw std::out_of_range("no such zone");
+  return *(std::upper_bound(grid_order_.begin(), grid_order_.end(), cell,
+                            [&](uint64_t c, uint32_t grid) { return c < grids_[grid].first_cell; }) -
+           1);
 }
 
 SlotPlace ZoneMap::place_of_slot(uint64_t slot) const {

@@ -71,8 +71,6 @@ class ZoneMap {
   uint64_t slot_count() const { return slots_; }
   /// Of a zone's side, in the world: what was asked for, or chosen.
   double size() const { return size_; }
-  /// Primitives that hold no zones because no grid fits on them: saddles and the like.
-  size_t unfit() const { return unfit_; }
 
   /// The grid of what was hit; null: it has none.
   const ZoneGrid* grid_of(const Hit& hit) const;
@@ -142,19 +140,15 @@ class ZoneMap {
   std::vector<PartTable> parts_;
   std::vector<uint32_t> first_grid_;  ///< of each instance
   GrowingArray<ZoneGrid> grids_;
-  std::vector<uint32_t> grid_order_;  ///< those that have slots, as these rise
+  std::vector<uint32_t> grid_order_;  ///< those that have cells, as these and slots rise
   GrowingArray<double> areas_;
   std::vector<PlaneCells> planes_;
   std::vector<RevolvedCells> revolved_;
   uint64_t slots_ = 0, corners_ = 0;
-  size_t unfit_ = 0;
 };
 
 /// What zones of the material keep. `scene`: of a mix's parts.
 ZoneStore store_of(const Scene& scene, const Material& material);
-
-/// How much longer areas of normal `n` (unit, in the object) are in the world.
-double area_scale(const InstancePose& place, const Vec3& n);
 
 /// Bytes that the host needs for a slot's sums, at the most.
 inline constexpr uint64_t kSlotBytes = 96;

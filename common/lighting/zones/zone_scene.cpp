@@ -5,19 +5,10 @@
 #include <stdexcept>
 
 namespace rayfarm {
-namespace {
-
-bool is_still(const Scene& scene) {
-  return scene.moving_instances.empty() && !has_changing_links(scene) &&
-         std::none_of(scene.lights.begin(), scene.lights.end(),
-                      [](const Light& light) { return light.moving != kNone; });
-}
-
-}  // namespace
 
 ZoneScene::ZoneScene(const Scene& scene, const RenderSettings& settings, int frame)
     : scene_(scene),
-      frame_(is_still(scene) ? 0 : frame),
+      frame_(has_poses(scene) ? frame : 0),
       state_(scene_),
       pose_(state_.at(frame)),
       passes_(make_coloured_scenes(scene_, settings)),

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "common/math/spherical.h"
+#include "common/math/symmetric.h"
 #include "common/sampling/warps.h"
 #include "common/shapes/triangulate.h"
 
@@ -222,36 +223,12 @@ Vec3 PlaneCells::point(uint32_t cell, Vec2 u) const {
 
 // Quadrics.
 
-namespace {
-
-/// Eigenvectors of a symmetric matrix as columns, by Jacobi's rotations; `m` becomes diagonal.
-Mat3 diagonalize(Mat3& m) {
-  Mat3 vectors(1);
-  for (int sweep = 0; sweep < 30; ++sweep)
-    for (int p = 0; p < 2; ++p)
-      for (int r = p + 1; r < 3; ++r) {
-        if (std::abs(m[p][r]) <= 1e-15 * (std::abs(m[p][p]) + std::abs(m[r][r]))) continue;
-        const double theta = (m[r][r] - m[p][p]) / (2 * m[p][r]);
-        const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-        const double cosine = 1 / std::sqrt(t * t + 1), sine = t * cosine;
-        Mat3 turn(1);
-        turn[p][p] = turn[r][r] = cosine;
-        turn[r][p] = sine;
-        turn[p][r] = -sine;
-        m = glm::transpose(turn) * m * turn;
-        vectors = vectors * turn;
-      }
-  return vectors;
-}
-
-}  // namespace
-
 std::optional<RevolvedCells> find_axis(const Quadric& quadric, std::span<const Vec4> planes) {
   Mat3 m;
   m[0] = {quadric.a[0], quadric.a[3], quadric.a[4]};
   m[1] = {quadric.a[3], quadric.a[1], quadric.a[5]};
   m[2] = {quadric.a[4], quadric.a[5], quadric.a[2]};
-  const Mat3 vectors = diagonalize(m);
+  const Mat3 vectors = diagonalize(m, 1e-15);
   const double largest = std::max({std::abs(m[0][0]), std::abs(m[1][1]), std::abs(m[2][2])});
   // The axis whose two others have factors of one sign, and are as alike as can be.
   int best = -1;
