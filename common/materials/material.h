@@ -43,7 +43,7 @@ struct Material {
   Color emission{0};  ///< radiance along the normal
   Color interior{1};  ///< weighs what a classical surface transmits (thesis 3.2)
   Reflections reflections = Reflections::all;
-  uint32_t padding = 0;
+  float zone_size = 0;  ///< of zones on it, in the world; 0: as is asked for all
 
   double bump_height = 0;  ///< of the bump texture's white over its black
   /// Spread of what is reflected or refracted, cosⁿ about its direction; 0: none, the surface is smooth. Of a

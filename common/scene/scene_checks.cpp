@@ -140,6 +140,7 @@ void check_materials(const Scene& s) {
     if (m.kind == MaterialKind::mix)  // its parts stand before it, so a chain of mixes always ends
       require(m.texture != kNone && m.parts[0] < i && m.parts[1] < i, "a mix");
     require(std::isfinite(m.exponent) && m.exponent >= 0, "a material's exponent");
+    require(std::isfinite(m.zone_size) && m.zone_size >= 0, "the size of a material's zones");
     for (int c = 0; c < 3; ++c)
       require(std::isfinite(m.interior[c]) && m.interior[c] >= 0 && m.filter[c] >= 0 && m.filter[c] <= 1,
               "a material's interior");

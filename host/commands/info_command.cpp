@@ -4,10 +4,12 @@
 #include "common/hierarchy/bounding_tree.h"
 #include "common/hierarchy/frame_state.h"
 #include "common/hierarchy/storage.h"
+#include "common/lighting/zones/zone_scene.h"
 #include "common/scene/references.h"
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/commands/hierarchy_options.h"
+#include "host/commands/zone_options.h"
 #include "host/process/exit_code.h"
 
 namespace rayfarm {
@@ -90,7 +92,35 @@ void print_media(const Scene& scene) {
              scene.medium_densities.size_bytes() + scene.medium_majorants.size_bytes());
 }
 
-int print_info(const std::string& path, const BuildOptions& build) {
+/// What `--lighting zonal` would make of the scene.
+void print_zones(const Scene& scene, const ZoneSettings& settings, int frame) {
+  RenderSettings zonal;
+  zonal.lighting = LightingModel::zonal;
+  zonal.zones = settings;
+  fmt::print("zones (of --lighting zonal, with --zone-size {})\n",
+             settings.size > 0 ? fmt::format("{:g}", settings.size) : "chosen");
+  try {
+    const ZoneScene zones(scene, zonal, frame);
+    const ZoneMap& map = zones.map();
+    uint64_t primitives = 0, without = 0, kept_by_direction = 0;
+    for (const ZoneGrid& grid : map.grids()) {
+      if (grid.primitive == kNoPrimitive) continue;
+      ++primitives;
+      if (!grid.store.is_any()) ++without;
+      if (grid.store.direction_cells > 0) kept_by_direction += grid.cell_count;
+    }
+    fmt::print("  size {:g}, zones of surfaces {} with two sides each, of media {}\n", map.size(),
+               map.cell_count(), zones.media().cell_count());
+    fmt::print("  of primitives, each copy counted, {}; zones of {} keep nothing\n", primitives, without);
+    fmt::print("  sums of power {}; zones that keep light by direction {}\n", zones.slot_count(),
+               kept_by_direction);
+    fmt::print("  memory on the host, at the most {}\n", megabytes(zones.most_bytes()));
+  } catch (const std::runtime_error& e) {
+    fmt::print("  none: {}\n", e.what());
+  }
+}
+
+int print_info(const std::string& path, const BuildOptions& build, const ZoneSettings& zones) {
   const SceneDescription scene = load_scene(path);
   const CompiledScene compiled = compile_and_look(scene, build);
   const Scene& s = compiled.scene;
@@ -125,6 +155,7 @@ int print_info(const std::string& path, const BuildOptions& build) {
   if (!box.is_empty())
     fmt::print("bounds\n  x {:g} to {:g}, y {:g} to {:g}, z {:g} to {:g}\n", box.lo.x, box.hi.x, box.lo.y,
                box.hi.y, box.lo.z, box.hi.z);
+  print_zones(s, zones, scene.frames ? (*scene.frames)[0] : 0);
   fmt::print("object tree\n");
   size_t lines = 60;
   print_tree(scene, scene.root, 0, lines);
@@ -143,13 +174,15 @@ int print_info(const std::string& path, const BuildOptions& build) {
 void add_info_command(CommandLine& line) {
   const auto path = std::make_shared<std::string>();
   const auto build = std::make_shared<BuildOptions>();
+  const auto zones = std::make_shared<ZoneSettings>();
   Verb verb;
   verb.name = "info";
-  verb.help = "print a scene's counts, bounds, object tree and memory";
-  verb.run = [path, build](const Renders&) { return print_info(*path, *build); };
+  verb.help = "print a scene's counts, bounds, zones, object tree and memory";
+  verb.run = [path, build, zones](const Renders&) { return print_info(*path, *build, *zones); };
   Options options = line.add(std::move(verb));
   options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
   add_hierarchy_options(options, *build);
+  add_zone_size_options(options, *zones);
 }
 
 }  // namespace rayfarm

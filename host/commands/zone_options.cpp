@@ -2,12 +2,18 @@
 
 namespace rayfarm {
 
+void add_zone_size_options(Options& options, ZoneSettings& zones) {
+  options.begin_group("Zones (--lighting radiosity and zonal)");
+  options.number("--zone-size", zones.size, 1e-12, 1e12,
+                 "how long the sides of zones may be, in the world, where the scene's `zones` says nothing "
+                 "else (default: so that there are about 10,000)");
+  options.number("--zone-memory", zones.most_GiB, 0.001, 1024,
+                 "GiB that zones may take in a process (default: 4)");
+}
+
 void add_zone_options(Options& options, RenderOptions& o) {
   ZoneSettings& zones = o.settings.zones;
-  options.begin_group("Zones (--lighting radiosity and zonal)");
-  options.number(
-      "--zone-size", zones.size, 1e-12, 1e12,
-      "how long the sides of zones may be, in the world (default: so that there are about 10,000)");
+  add_zone_size_options(options, zones);
   options.choice<ZoneView>("--zone-view", zones.view, choices<ZoneView>(kZoneViewWords),
                            "zones as they are; smoothed; smoothed, with light straight from sources by "
                            "shadow rays; or read by one ray from each point that is seen (default: direct)");
@@ -35,8 +41,6 @@ void add_zone_options(Options& options, RenderOptions& o) {
                "the file in which the light of zones is kept; if it is there nothing is computed again; #### "
                "becomes the frame number",
                "FILE");
-  options.number("--zone-memory", zones.most_GiB, 0.001, 1024,
-                 "GiB that zones may take in a process (default: 4)");
 }
 
 }  // namespace rayfarm

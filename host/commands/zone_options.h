@@ -6,5 +6,7 @@
 namespace rayfarm {
 
 void add_zone_options(Options& options, RenderOptions& o);
+/// Those of them that say how many zones there may be.
+void add_zone_size_options(Options& options, ZoneSettings& zones);
 
 }  // namespace rayfarm

@@ -6,6 +6,7 @@
 
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/self_hits.h"
+#include "common/lighting/zones/zone_shapes.h"
 #include "common/materials/scattering.h"
 #include "common/scene/settings_codec.h"
 #include "host/instrument/missing_subpolygons.h"
@@ -318,6 +319,16 @@ std::vector<std::string> name_idle_shading(const RenderSettings& settings, const
         "things move while the shutter is open: zones keep the light of the moment when it opens, for the "
         "whole "
         "frame");
+  if (has_zones(settings.lighting)) {
+    const auto without =
+        std::count_if(scene.quadrics.begin(), scene.quadrics.end(),
+                      [&](const Quadric& quadric) { return !find_axis(quadric, scene.planes_of(quadric)); });
+    if (without > 0)
+      notes.push_back(
+          fmt::format("{} of {} quadrics have no zones (planes and saddles that are given as such): light "
+                      "straight from sources that they reflect does not reach zones",
+                      without, scene.quadrics.size()));
+  }
   const auto is_gouraud = [](const auto& polygon) {
     return polygon.smoothing == static_cast<uint32_t>(Smoothing::gouraud);
   };

@@ -80,6 +80,25 @@ scene: [{use: vase}, {use: vase, transform: {translate: [3, 0, 0]}}, {sphere: {c
                      "polygons 160, spheres 1, quadrics 0, each copy counted", "vase: 80 polygons"):
             self.assertIn(text, result.stdout)
 
+    def test_info_counts_zones(self):
+        """Of a square of 10 x 10, one whose node asks for 2 x 2, a mirror, and a medium; and says why there are none."""
+        square = "polygon: {points: [[%d, 0, 0], [%d, 0, 0], [%d, 1, 0], [%d, 1, 0]]}"
+        squares = [square % (x, x + 1, x + 1, x) for x in (0, 2, 4)]
+        scene = self.write("s.yaml", f"""
+view: {{location: [0, 0, 9], look_at: [0, 0, 0]}}
+materials: {{m: {{lambertian: 0.5}}, mirror: {{conductor: {{metal: silver}}}}}}
+media: [{{box: {{min: [0, 2, 0], max: [0.8, 2.4, 0.2]}}, scattering: 1}}]
+scene: [{{material: m, {squares[0]}}}, {{material: m, zones: 0.5, {squares[1]}}}, {{material: mirror, {squares[2]}}}]
+""")
+        result = self.run_alone("info", scene, "--zone-size", "0.1")
+        self.assertEqual(result.code, 0, result.stderr)
+        for text in ("zones of surfaces 204 with two sides each, of media 8\n", "each copy counted, 3; zones of 1 keep nothing\n",
+                     "sums of power 216; zones that keep light by direction 0\n"):
+            self.assertIn(text, result.stdout)
+        refused = self.run_alone("info", scene, "--zone-size", "1e-6")
+        self.assertEqual(refused.code, 0, refused.stderr)
+        self.assertIn("  none: zones of size 1e-06 would be more than ", refused.stdout)
+
     def test_info_tells_how_often_volumes_refer_to_primitives(self):
         """Whole, divided with a budget of 1.3 on average, or of 2 (README, --build)."""
         random.seed(1)

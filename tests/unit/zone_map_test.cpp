@@ -120,18 +120,82 @@ TEST(ZoneMap, DirectionsHaveEqualProjectedSolidAngles) {
   EXPECT_GT(direction_cells_for(100), direction_cells_for(10));
 }
 
+/// How many cells each primitive has, in the order of the file.
+std::vector<uint32_t> cells_of(const std::string& scene, double size) {
+  const CompiledScene compiled = compile(test::load_yaml(
+      test::view_text() + "materials: {m: {lambertian: 0.5}, n: {lambertian: 0.2}}\n" + scene));
+  const ZoneScene zones(compiled.scene, zone_settings(size, 1), 0);
+  std::vector<uint32_t> cells;
+  for (const ZoneGrid& grid : zones.map().grids()) cells.push_back(grid.cell_count);
+  return cells;
+}
+
+TEST(ZoneMap, NodesChooseTheSizeOfZonesInThem) {
+  const auto square = [](int x) {
+    return fmt::format("polygon: {{points: [[{0},0,0],[{1},0,0],[{1},1,0],[{0},1,0]]}}", x, x + 1);
+  };
+  const std::string scene = "scene:\n  - {material: m, " + square(0) + "}\n  - {material: m, zones: 0.25, " +
+                            square(2) + "}\n  - zones: 0.5\n    material: m\n    group: [{" + square(4) +
+                            "}, {zones: 1, " + square(6) + "}, {material: n, " + square(8) +
+                            "}, {transform: {scale: 2}, " + square(10) + "}]\n";
+  EXPECT_EQ(cells_of(scene, 0.1), (std::vector<uint32_t>{100, 16, 4, 1, 4, 16}));
+  for (const char* wrong : {"0", "1e-30", "-1", "1e13", ".nan", "small"})
+    EXPECT_THROW(cells_of(fmt::format("scene: [{{material: m, zones: {}, {}}}]\n", wrong, square(0)), 1),
+                 InputError)
+        << wrong;
+}
+
+TEST(ZoneMap, FacesOfMeshesKeepTheirMaterialsBesideTheSize) {
+  test::write_temporary("m.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n");
+  test::write_temporary(
+      "m.obj",
+      "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n"
+      "f 1 2 3 4\n");
+  const SceneDescription scene = load_scene(
+      test::write_temporary("s.yaml", test::view_text() + "scene: [{zones: 0.5, mesh: {file: m.obj}}]\n"));
+  const CompiledScene compiled = compile(scene);
+  const ZoneScene zones(compiled.scene, zone_settings(0.1, 1), 0);
+  for (const ZoneGrid& grid : zones.map().grids()) {
+    const Material& material = compiled.scene.materials[grid.material];
+    EXPECT_EQ(material.zone_size, 0.5F);
+    EXPECT_EQ(grid.cell_count, grid.shape == ZoneShape::triangle ? 9U : 4U);
+    EXPECT_EQ(material.color.x + material.color.y, 1);
+  }
+}
+
 TEST(ZoneMap, TooManyZonesAreRefused) {
   const CompiledScene compiled =
       compile(test::load_yaml(test::view_text() + "materials: {m: {lambertian: 0.5}}\nscene: [{material: m, "
                                                   "sphere: {center: [0,0,0], radius: 1000}}]\n"));
-  for (const double size : {1e-12, 0.1}) {
+  const auto expect_refused = [](const Scene& scene, const RenderSettings& settings, const char* text) {
     try {
-      const ZoneScene zones(compiled.scene, zone_settings(size, 1), 0);
+      const ZoneScene zones(scene, settings, 0);
       FAIL() << "not refused";
     } catch (const std::runtime_error& e) {
-      EXPECT_NE(std::string(e.what()).find("--zone-size"), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
     }
-  }
+  };
+  for (const double size : {1e-12, 0.1})
+    expect_refused(compiled.scene, zone_settings(size, 1), "a larger --zone-size");
+
+  const CompiledScene fine = compile(
+      test::load_yaml(test::view_text() +
+                      "media: [{box: {min: [0,0,0], max: [1,1,1]}, scattering: 1}]\nscene: [{zones: 0.0001, "
+                      "box: {min: [0,0,0], max: [1,1,1]}}]\n"));
+  expect_refused(fine.scene, zone_settings(1, 1), "larger `zones` in the scene");
+
+  // 48 bytes more for each pass that is solved: of 4 x 4 x 4 cells, and the box about them.
+  const CompiledScene fog = compile(test::load_yaml(
+      test::view_text() + "media: [{box: {min: [0,0,0], max: [1,1,1]}, scattering: 1}]\nscene: []\n"));
+  RenderSettings settings = zone_settings(0.125, 1);
+  settings.zones.most_GiB = 64 * (96 + 12) / 0x1p30;
+  EXPECT_EQ(ZoneScene(fog.scene, settings, 0).most_bytes(), settings.zones.most_bytes());
+  settings.colour = ColourModel::spectral;
+  settings.colour_nodes_nm = {420, 470, 520, 570, 620, 670};
+  expect_refused(fog.scene, settings, "in each of 2 passes");
+  settings.colour = ColourModel::rgb;
+  settings.zones.size = 0.1;
+  expect_refused(fog.scene, settings, "zones of media would be more than");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "common/description/formats/yaml_spectra.h"
 #include "common/description/formats/yaml_structures.h"
 #include "common/description/formats/yaml_textures.h"
+#include "common/description/formats/yaml_view.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
 
@@ -48,7 +49,7 @@ class Loader {
       throw InputError({path_}, std::string("not valid YAML: ") + e.what());
     }
     YamlMap map(YamlValue(document, "the scene", path_, budget_));
-    if (auto v = map.find("view")) read_view(*v);
+    if (auto v = map.find("view")) read_view(*v, scene_);
     if (auto v = map.find("background"))
       scene_.background = read_color(*v, SpectralField::background, scene_.spectra);
     if (auto v = map.find("environment")) {
@@ -81,42 +82,6 @@ class Loader {
   }
 
  private:
-  void read_view(const YamlValue& value) {
-    YamlMap map(value);
-    scene_.has_view = true;
-    ViewDescription& view = scene_.view;
-    view.location = read_curve(map.require("location"), Interpolation::linear, read_point);
-    const auto direction = map.find("direction"), look_at = map.find("look_at");
-    if (direction && look_at) direction->fail("give either `direction` or `look_at`, not both");
-    if (!direction && !look_at) value.fail("the view needs `direction` or `look_at`");
-    if (direction) view.direction = read_curve(*direction, Interpolation::spherical, read_direction);
-    if (look_at) view.look_at = read_curve(*look_at, Interpolation::linear, read_point);
-    if (auto v = map.find("up")) view.up = read_curve(*v, Interpolation::spherical, read_direction);
-    if (auto v = map.find("field_of_view"))
-      view.field_of_view = read_curve(*v, Interpolation::linear, [](const YamlValue& n) {
-        const double degrees = n.number();
-        if (!(degrees > 0 && degrees < 180)) n.fail("the field of view must be between 0 and 180 degrees");
-        return Vec4(degrees, 0, 0, 0);
-      });
-    if (auto v = map.find("lens")) {
-      YamlMap lens(*v);
-      view.lens_radius = lens.require("radius").number_in(0, 1e9);
-      view.focus = read_curve(lens.require("focus"), Interpolation::linear, [](const YamlValue& n) {
-        const double distance = n.number();
-        if (!(distance > 0)) n.fail("the distance in focus must be above 0");
-        return Vec4(distance, 0, 0, 0);
-      });
-      lens.finish();
-    }
-    if (auto v = map.find("aspect")) view.aspect = v->number_in(1e-3, 1e3);
-    if (auto v = map.find("resolution")) {
-      const std::vector<YamlValue> size = v->items();
-      if (size.size() != 2) v->fail("the resolution is [width, height] in pixels");
-      view.resolution_px = {size[0].whole_number_in(1, 65536), size[1].whole_number_in(1, 65536)};
-    }
-    map.finish();
-  }
-
   void read_frames(const YamlValue& value) {
     const std::vector<YamlValue> range = value.items();
     if (range.size() != 2) value.fail("frames is [first, last]");
@@ -181,7 +146,21 @@ class Loader {
   struct Inherited {
     uint32_t material = 0;
     uint32_t structure = kNone;
+    float zone_size = 0;
   };
+
+  /// The material with zones of that size, which is one of its own: primitives know no more than that.
+  uint32_t zoned(uint32_t material, float zone_size) {
+    if (zone_size == 0) return material;
+    const auto [found, is_new] =
+        zoned_materials_.try_emplace({material, zone_size}, static_cast<uint32_t>(scene_.materials.size()));
+    if (is_new) {
+      MaterialDescription copy = scene_.materials[material];
+      copy.zone_size = zone_size;
+      scene_.materials.push_back(std::move(copy));
+    }
+    return found->second;
+  }
 
   void read_children(const YamlValue& list, uint32_t object, const Inherited& inherited, size_t depth) {
     for (const YamlValue& item : list.items()) read_node(item, object, inherited, depth);
@@ -208,6 +187,8 @@ class Loader {
     }
 
     const auto own_bound = map.find("bound");
+    const auto own_zones = map.find("zones");
+    if (own_zones) inherited.zone_size = static_cast<float>(own_zones->number_in(1e-12, 1e12));
 
     // What can move, come and go, has a name, a structure or a bounding volume is a node of its own in the
     // object tree; any other entry joins its parent.
@@ -227,10 +208,16 @@ class Loader {
     if (own_material && map.has("use"))
       scene_.notes.add(scene_.source(own_material->place()),
                        "`material` has no effect on what `use` names, which has materials of its own");
+    if (own_zones && map.has("use"))
+      scene_.notes.add(scene_.source(own_zones->place()),
+                       "`zones` has no effect on what `use` names; it stands where that is defined");
+    if (own_zones && map.has("light"))
+      scene_.notes.add(scene_.source(own_zones->place()), "a light has no zones");
     if (own_material && map.has("light"))
       scene_.notes.add(scene_.source(own_material->place()),
                        "a light has no material: `color` is its colour");
     if (own_material && map.has("mesh")) note_idle_material(*own_material, inherited.material, target);
+    if (map.has("mesh")) give_zone_size(scene_.objects[target].primitives.back(), inherited.zone_size);
   }
 
   /// A mesh whose file gives every face a material needs none.
@@ -244,6 +231,15 @@ class Loader {
           scene_.source(value.place()),
           fmt::format("material '{}' is not used: the mesh's file gives all faces their materials",
                       value.text()));
+  }
+
+  /// To a mesh, whose faces may have materials of their own.
+  void give_zone_size(PrimitiveDescription& primitive, float zone_size) {
+    if (zone_size == 0) return;
+    auto& mesh = std::get<MeshShape>(primitive.shape);
+    primitive.material = zoned(primitive.material, zone_size);
+    for (uint32_t& material : mesh.materials) material = zoned(material, zone_size);
+    for (uint32_t& material : mesh.polygons.materials) material = zoned(material, zone_size);
   }
 
   uint32_t add_object(const std::string& name, const Place& place) {
@@ -260,7 +256,8 @@ class Loader {
       if (auto v = map.find(key)) {
         ++contents;
         for (Shape& shape : read(*v))
-          scene_.objects[target].primitives.push_back({std::move(shape), inherited.material, v->place()});
+          scene_.objects[target].primitives.push_back(
+              {std::move(shape), zoned(inherited.material, inherited.zone_size), v->place()});
       }
     if (auto v = map.find("mesh")) {
       ++contents;
@@ -345,6 +342,7 @@ class Loader {
   SceneDescription scene_;
   std::vector<std::string> material_names_, object_names_;
   std::map<std::string, uint32_t> object_ids_, part_files_;
+  std::map<std::pair<uint32_t, float>, uint32_t> zoned_materials_;
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "common/lighting/zones/medium_zones.h"
 
+#include <fmt/core.h>
+
 #include <stdexcept>
 
 #include "common/math/spherical.h"
@@ -36,7 +38,7 @@ Vec3 SphereCells::direction(uint32_t cell, const Vec2& u) const {
   return {r * cosine, r * sine, z};
 }
 
-MediumZones::MediumZones(const Scene& scene, double zone_size) : scene_(scene) {
+MediumZones::MediumZones(const Scene& scene, double zone_size, uint64_t most_cells) : scene_(scene) {
   for (uint32_t m = 0; m < scene.media.size(); ++m) {
     const ParticipatingMedium& medium = scene.media[m];
     if (medium.scattering == Color(0)) continue;
@@ -46,8 +48,11 @@ MediumZones::MediumZones(const Scene& scene, double zone_size) : scene_(scene) {
     for (int axis = 0; axis < 3; ++axis) {
       const double along = std::max(1.0, std::ceil(medium.box.extent()[axis] / (2 * zone_size) * (1 - 1e-9)));
       cells *= along;
-      if (!(cells < 0x1p30))
-        throw std::runtime_error("media have too many zones; a larger --zone-size is needed");
+      if (!(cells + static_cast<double>(densities_.size()) <= static_cast<double>(most_cells)))
+        throw std::runtime_error(fmt::format(
+            "zones of media would be more than {}, which is what the memory for them holds; a larger "
+            "--zone-size, or more --zone-memory, is needed",
+            most_cells));
       grid.count[static_cast<size_t>(axis)] = static_cast<uint32_t>(along);
       grid.step[axis] = medium.box.extent()[axis] / along;
     }

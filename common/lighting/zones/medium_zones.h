@@ -44,7 +44,8 @@ struct MediumGrid {
 class MediumZones {
  public:
   /// Cells' edges are up to twice as long as zones of surfaces.
-  MediumZones(const Scene& scene, double zone_size);
+  /// Throws std::runtime_error if there would be more than `most_cells`.
+  MediumZones(const Scene& scene, double zone_size, uint64_t most_cells);
 
   std::span<const MediumGrid> grids() const { return grids_; }
   uint64_t cell_count() const { return densities_.size(); }

@@ -11,9 +11,6 @@
 namespace rayfarm {
 namespace {
 
-/// Light in a scene of all but white surfaces needs no more.
-constexpr uint32_t kMostRounds = 100'000;
-
 class ZonalSolver : public ZoneSolver {
  public:
   ZonalSolver(const Scene& scene, const RenderSettings& settings, int frame)
@@ -172,7 +169,7 @@ class ZonalSolver : public ZoneSolver {
     unsent_total_ = unsent.total() + emitted.total();
     refuse_endless(unsent);
     const bool is_enough = unsent_total_ <= settings_.zones.tolerance * current_->primary.total();
-    if (is_enough || !(unsent_total_ > 0) || head_.round >= kMostRounds) {
+    if (is_enough || !(unsent_total_ > 0)) {
       current_->unsent = unsent;
       current_->unsent += emitted;
       emitted_.clear();

@@ -68,13 +68,13 @@ ZoneStore store_of(const Scene& scene, const Material& material) {
 
 ZoneMap::ZoneMap(const Scene& scene, const Pose& pose, const ZoneSettings& settings, bool has_directions)
     : scene_(scene), pose_(pose) {
-  find_primitives();
+  find_primitives(settings);
   size_ = settings.size > 0 ? settings.size : find_size();
-  most_cells_ = settings.most_bytes() / (sizeof(double) + 2 * kSlotBytes);
-  make_cells(settings, has_directions);
+  most_cells_ = settings.most_bytes() / (sizeof(double) + 2 * slot_bytes(1));
+  make_cells(has_directions);
 }
 
-void ZoneMap::find_primitives() {
+void ZoneMap::find_primitives(const ZoneSettings& settings) {
   parts_.resize(scene_.parts.size());
   for (size_t i = 0; i < parts_.size(); ++i) {
     PartTable& table = parts_[i];
@@ -96,6 +96,11 @@ void ZoneMap::find_primitives() {
     grids += parts_[instance.part].grids;
     if (grids >= kNone) throw std::runtime_error("the scene has too many primitives for zones");
   }
+  if (grids * sizeof(ZoneGrid) > settings.most_bytes())
+    throw std::runtime_error(
+        fmt::format("{} primitives, each copy counted, are too many for zones in {:g} GiB: they take {:.1f} "
+                    "GiB before they are cut; more --zone-memory is needed",
+                    grids, settings.most_GiB, static_cast<double>(grids * sizeof(ZoneGrid)) / 0x1p30));
   grids_.resize(grids);
   for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
     if (pose_[i].is_hidden) continue;
@@ -143,18 +148,22 @@ double ZoneMap::find_size() const {
   return area > 0 && std::isfinite(area) ? std::sqrt(area / kUsualCells) : 1;
 }
 
-double ZoneMap::parts_of(double length) const {
-  return std::max(1.0, std::ceil(length / size_ * (1 - 1e-9)));
+double ZoneMap::parts_of(const ZoneGrid& grid, double length) const {
+  const double own = scene_.materials[grid.material].zone_size;
+  return std::max(1.0, std::ceil(length / (own > 0 ? own : size_) * (1 - 1e-9)));
 }
 
 /// Cells that are asked for may be beyond all bounds.
 void ZoneMap::reserve_cells(ZoneGrid& grid, double columns, double rows, bool is_triangle) {
   if (!(columns * rows + static_cast<double>(areas_.size()) < static_cast<double>(most_cells_)) ||
-      !((columns + 1) * (rows + 1) + static_cast<double>(corners_) < kNone))
+      !((columns + 1) * (rows + 1) + static_cast<double>(corners_) < kNone)) {
+    const double own = scene_.materials[grid.material].zone_size;
     throw std::runtime_error(fmt::format(
-        "zones of size {:g} would be more than {}, which is what the memory for them holds; a larger "
-        "--zone-size, or more --zone-memory, is needed",
-        size_, most_cells_));
+        "zones of size {:g} would be more than {}, which is what the memory for them holds; {}, or more "
+        "--zone-memory, is needed",
+        own > 0 ? own : size_, most_cells_,
+        own > 0 ? "larger `zones` in the scene" : "a larger --zone-size"));
+  }
   grid.first_cell = static_cast<uint32_t>(areas_.size());
   grid.cell_count = static_cast<uint32_t>(columns * rows);
   grid.first_corner = static_cast<uint32_t>(corners_);
@@ -163,7 +172,7 @@ void ZoneMap::reserve_cells(ZoneGrid& grid, double columns, double rows, bool is
   corners_ += grid.corner_count;
 }
 
-void ZoneMap::make_cells(const ZoneSettings& settings, bool has_directions) {
+void ZoneMap::make_cells(bool has_directions) {
   std::vector<ZoneStore> stores;
   for (const Material& material : scene_.materials) stores.push_back(store_of(scene_, material));
   for (uint32_t i = 0; i < grids_.size(); ++i) {
@@ -190,14 +199,6 @@ void ZoneMap::make_cells(const ZoneSettings& settings, bool has_directions) {
     slots_ += 2 * uint64_t{grid.cell_count} * grid.store.slots();
     grid_order_.push_back(i);
   }
-  const uint64_t bytes =
-      slots_ * kSlotBytes + areas_.size() * sizeof(double) + grids_.size() * sizeof(ZoneGrid);
-  if (bytes > settings.most_bytes())
-    throw std::runtime_error(fmt::format(
-        "{} zones of size {:g} with {} sums of power take {:.1f} GiB, and {:.1f} GiB are allowed; a larger "
-        "--zone-size, or more --zone-memory, is needed",
-        areas_.size(), size_, slots_, static_cast<double>(bytes) / 0x1p30,
-        static_cast<double>(settings.most_bytes()) / 0x1p30));
 }
 
 TriangleCells ZoneMap::triangle_of(const ZoneGrid& grid) const {
@@ -212,7 +213,7 @@ void ZoneMap::make_triangle(ZoneGrid& grid) {
     const Vec3 edge = v[(i + 1) % 3] - v[i];
     longest = std::max(longest, glm::length(place.is_identity ? edge : place.world_from_object.vector(edge)));
   }
-  const double parts = parts_of(longest);
+  const double parts = parts_of(grid, longest);
   reserve_cells(grid, parts, parts, true);
   grid.shape = ZoneShape::triangle;
   grid.record = static_cast<uint32_t>(parts);
@@ -228,8 +229,8 @@ void ZoneMap::make_plane(ZoneGrid& grid) {
   const auto world_length = [&](const Vec3& v) {
     return glm::length(place.is_identity ? v : place.world_from_object.vector(v));
   };
-  const double columns = parts_of(plane.step.x * world_length(plane.x)),
-               rows = parts_of(plane.step.y * world_length(plane.y));
+  const double columns = parts_of(grid, plane.step.x * world_length(plane.x)),
+               rows = parts_of(grid, plane.step.y * world_length(plane.y));
   reserve_cells(grid, columns, rows, false);
   cut(plane, static_cast<uint32_t>(columns), static_cast<uint32_t>(rows), polygon.points.span(),
       polygon.normal);
@@ -281,7 +282,7 @@ void ZoneMap::make_revolved(ZoneGrid& grid) {
     }
     along = std::max(along, length);
   }
-  const double columns = std::max(4.0, parts_of(about)), rows = std::max(2.0, parts_of(along));
+  const double columns = std::max(4.0, parts_of(grid, about)), rows = std::max(2.0, parts_of(grid, along));
   reserve_cells(grid, columns, rows, false);
   found->columns = static_cast<uint32_t>(columns);
   found->rows = static_cast<uint32_t>(rows);

@@ -69,7 +69,9 @@ class ZoneMap {
   uint64_t cell_count() const { return areas_.size(); }
   uint64_t corner_count() const { return corners_; }
   uint64_t slot_count() const { return slots_; }
-  /// Of a zone's side, in the world: what was asked for, or chosen.
+  /// Of all that is kept of grids and cells, without sums.
+  uint64_t bytes() const { return areas_.size() * sizeof(double) + grids_.size() * sizeof(ZoneGrid); }
+  /// Of a zone's side, in the world: what was asked for, or chosen; materials may have sizes of their own.
   double size() const { return size_; }
 
   /// The grid of what was hit; null: it has none.
@@ -119,9 +121,9 @@ class ZoneMap {
     uint32_t grids = 0;
   };
 
-  void find_primitives();
+  void find_primitives(const ZoneSettings& settings);
   double find_size() const;
-  void make_cells(const ZoneSettings& settings, bool has_directions);
+  void make_cells(bool has_directions);
   void make_triangle(ZoneGrid& grid);
   void make_plane(ZoneGrid& grid);
   void make_revolved(ZoneGrid& grid);
@@ -130,7 +132,8 @@ class ZoneMap {
   Vec2 revolved_parameters(const ZoneGrid& grid, uint32_t cell, const Vec2& u) const;
   RevolvedCells::Point revolved_point(const ZoneGrid& grid, const RevolvedCells& cells, const Vec2& uv) const;
   void reserve_cells(ZoneGrid& grid, double columns, double rows, bool is_triangle);
-  double parts_of(double length) const;
+  /// Into how many zones of the grid's material that length is cut.
+  double parts_of(const ZoneGrid& grid, double length) const;
   TriangleCells triangle_of(const ZoneGrid& grid) const;
 
   Scene scene_;
@@ -150,7 +153,10 @@ class ZoneMap {
 /// What zones of the material keep. `scene`: of a mix's parts.
 ZoneStore store_of(const Scene& scene, const Material& material);
 
-/// Bytes that the host needs for a slot's sums, at the most.
-inline constexpr uint64_t kSlotBytes = 96;
+/// Bytes that the host needs for a slot's sums, at the most: four while a pass is solved, and two of each
+/// pass that is.
+constexpr uint64_t slot_bytes(size_t passes) {
+  return (4 + 2 * (passes - 1)) * 3 * sizeof(int64_t);
+}
 
 }  // namespace rayfarm

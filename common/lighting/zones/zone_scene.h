@@ -18,6 +18,8 @@ class ZoneScene {
   const MediumZones& media() const { return media_; }
   /// Surfaces' slots, then the media's.
   uint64_t slot_count() const { return map_.slot_count() + media_.slot_count(); }
+  /// That zones take on the host, at the most.
+  uint64_t most_bytes() const;
   const Pose& pose() const { return pose_; }
   /// Of random numbers: where nothing moves, comes or goes all frames have the same zones.
   int frame() const { return frame_; }
