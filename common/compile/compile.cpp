@@ -27,6 +27,11 @@ void add_view(SceneArrays<GrowingArray>& arrays, const SceneDescription& descrip
   record.up = add_curve(arrays, view.up);
   record.field_of_view = add_curve(arrays, view.field_of_view);
   record.focus = add_curve(arrays, view.focus);
+  record.width = add_curve(arrays, view.width);
+  record.projection = view.projection;
+  record.shift = view.shift;
+  record.near = view.near;
+  record.far = view.far;
   record.aspect = view.aspect;
   record.lens_radius = view.lens_radius;
 }

@@ -95,8 +95,9 @@ bool shines_at_something(const Scene& scene, const Lamp& lamp, double hair, cons
   return find_in_region(scene, std::span(&back, 1), patience) != Presence::certain;  // there is nothing else
 }
 
-/// Where the camera's rays go.
+/// Where the camera's rays go; nothing if that is not a pyramid.
 std::vector<HalfSpace> seen_by(const Camera& camera, int width_px, int height_px) {
+  if (camera.projection != Projection::perspective || camera.near > 0 || std::isfinite(camera.far)) return {};
   const Vec3 forward = glm::cross(camera.up, camera.right);
   const Vec3 right = static_cast<double>(width_px) * camera.per_x,
              down = static_cast<double>(height_px) * camera.per_y;
@@ -272,7 +273,7 @@ std::optional<std::string> nothing_in_view(const Scene& scene, double frame, int
   const std::vector<HalfSpace> seen = seen_by(camera, width_px, height_px);
   if (may_hold_medium(scene, seen)) return std::nullopt;
   size_t patience = kPatience;
-  switch (find_in_region(scene, seen, patience)) {
+  switch (seen.empty() ? Presence::possible : find_in_region(scene, seen, patience)) {
     case Presence::certain:
       return std::nullopt;
     case Presence::none: {
@@ -290,10 +291,11 @@ std::optional<std::string> nothing_in_view(const Scene& scene, double frame, int
   FrameState pose(scene);
   const Pose now = pose.at(frame);
   for (int y = 0; y < kRows; ++y)
-    for (int x = 0; x < kColumns; ++x)
-      if (closest_hit(scene, now, camera.ray((x + 0.5) / kColumns * width_px, (y + 0.5) / kRows * height_px))
-              .is_hit())
+    for (int x = 0; x < kColumns; ++x) {
+      const Vec2 at((x + 0.5) / kColumns * width_px, (y + 0.5) / kRows * height_px);
+      if (camera.sees(at.x, at.y) && closest_hit(scene, now, camera.ray(at.x, at.y)).is_hit())
         return std::nullopt;
+    }
   return fmt::format(
       "the camera sees nothing, or hardly anything: of {} rays all over the picture none meets an "
       "object",

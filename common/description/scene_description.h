@@ -97,7 +97,11 @@ struct ViewDescription {
   Curve field_of_view = constant_curve(Vec4(45, 0, 0, 0));  ///< degrees across the image's width
   Curve focus = constant_curve(Vec4(1, 0, 0, 0));           ///< distance at which a lens is sharp
   double lens_radius = 0;                                   ///< 0: a pinhole, all is sharp
-  double aspect = 4.0 / 3.0;                                ///< width / height
+  Projection projection = Projection::perspective;
+  Curve width = constant_curve(Vec4(1, 0, 0, 0));  ///< of an orthographic view, in the world
+  std::array<double, 2> shift{0, 0};               ///< right and up, in widths of the view
+  double near = 0, far = std::numeric_limits<double>::infinity();
+  double aspect = 4.0 / 3.0;  ///< width / height
   std::optional<std::array<int, 2>> resolution_px;
 
   /// Width and height of pictures for which nobody asks another size.

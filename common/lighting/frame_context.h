@@ -35,6 +35,7 @@ struct FrameContext {
   const Scene& scene;
   const Pose& pose;
   const SamplingTables& tables;
+  double width = 0;   ///< of a pixel's cone where eye rays start
   double spread = 0;  ///< of eye rays: how much wider a pixel's cone gets with each unit of length
   const Hit* eye_hits = nullptr;  ///< of the packet of eye rays, where an item buffer has found them
   const LightItems* light_items = nullptr;

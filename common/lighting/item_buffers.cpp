@@ -51,7 +51,9 @@ constexpr double kNearer = 1e-4;
 }  // namespace
 
 bool has_one_eye(const Scene& scene, const RenderSettings& settings) {
-  return !(scene.head().view.lens_radius > 0) && !is_blurred(scene, settings);
+  const ViewRecord& view = scene.head().view;
+  return view.projection == Projection::perspective && !(view.lens_radius > 0) && view.near == 0 &&
+         std::isinf(view.far) && settings.fit != Fit::letterbox && !is_blurred(scene, settings);
 }
 
 bool has_item_map(const Light& light) {

@@ -27,8 +27,8 @@ std::span<const Moment> Moments::at(int frame, const RenderSettings& settings) {
   for (size_t i = 0; i < count; ++i) {
     const double time =
         frame + settings.shutter * (count > 1 ? (static_cast<double>(i) + 0.5) / kMoments : 0);
-    moments_.push_back(
-        {states_[i].at(time, frame), make_camera(scene_, time, settings.width_px, settings.height_px)});
+    moments_.push_back({states_[i].at(time, frame),
+                        make_camera(scene_, time, settings.width_px, settings.height_px, settings.fit)});
   }
   return moments_;
 }

@@ -96,7 +96,36 @@ class Renderer::Rendering {
       for (int x = rect.x0; x < rect.x1; ++x) visit(Pixel{x, y});
   }
 
-  /// Traces eye rays, which go through `at`, in all passes of the colour model.
+  /// Traces eye rays through `at`, for each of `ids`, in all passes of the colour model. Where the camera
+  /// sees nothing there is none, and no light.
+  void trace(const Moment& moment, const RasterPoints& at, std::span<const SampleId> ids,
+             RenderedPixels& counted, Color* colors) {
+    RayPacket rays;
+    if (moment.camera.sees_all()) [[likely]] {
+      rays.size = ids.size();
+      aim(moment.camera, ids, at, rays);
+      trace(moment, rays, at, ids, counted, colors);
+      return;
+    }
+    RasterPoints seen;
+    OfPacket<SampleId> ids_seen;
+    OfPacket<size_t> places;
+    std::array<Color, kMostPacketRays> colors_seen;
+    for (size_t i = 0; i < ids.size(); ++i) {
+      colors[i] = Color(0);
+      if (!moment.camera.sees(at.x[i], at.y[i])) continue;
+      seen.x[places.size()] = at.x[i];
+      seen.y[places.size()] = at.y[i];
+      ids_seen.push_back(ids[i]);
+      places.push_back(i);
+    }
+    if (places.size() == 0) return;
+    rays.size = places.size();
+    aim(moment.camera, ids_seen.span(), seen, rays);
+    trace(moment, rays, seen, ids_seen.span(), counted, colors_seen.data());
+    for (size_t i = 0; i < places.size(); ++i) colors[places[i]] = colors_seen[i];
+  }
+
   void trace(const Moment& moment, const RayPacket& rays, const RasterPoints& at,
              std::span<const SampleId> ids, RenderedPixels& counted, Color* colors) {
     OfPacket<Hit> eye_hits;
@@ -107,10 +136,11 @@ class Renderer::Rendering {
       const bool is_first = pass_index == 0;
       std::array<Color, kMostPacketRays> more;
       Color* const channels = is_first ? colors : more.data();
-      counted.eye_hits += integrator_.trace(
-          {pass.scene(), moment.pose, tables_, moment.camera.spread(), eye_items_ ? eye_hits.data() : nullptr,
-           light_items_, zones_.empty() ? nullptr : &zones_[pass_index], eye_media_of(moment)},
-          rays, ids, counted.counts, channels);
+      counted.eye_hits +=
+          integrator_.trace({pass.scene(), moment.pose, tables_, moment.camera.width(),
+                             moment.camera.spread(), eye_items_ ? eye_hits.data() : nullptr, light_items_,
+                             zones_.empty() ? nullptr : &zones_[pass_index], eye_media_of(moment)},
+                            rays, ids, counted.counts, channels);
       if (pass.pass().is_rgb) break;
       for (size_t i = 0; i < rays.size; ++i) {
         const Color color = pass.pass().rgb_from_channels * channels[i];
@@ -130,14 +160,15 @@ class Renderer::Rendering {
   /// The rays of a packet whose size is set.
   void aim(const Camera& camera, std::span<const SampleId> ids, const RasterPoints& at,
            RayPacket& rays) const {
-    if (!camera.has_lens()) {
+    if (camera.is_pinhole()) {
       make_eye_rays(camera, at, rays);
       return;
     }
     for (size_t i = 0; i < rays.size; ++i) {
-      const Ray ray =
-          camera.ray(at.x[i], at.y[i], sample_disk(tables_.sampler.point(ids[i], dimension::kLens)));
-      rays.set(i, ray.origin, ray.direction);
+      const Ray ray = camera.ray(
+          at.x[i], at.y[i],
+          camera.has_lens() ? sample_disk(tables_.sampler.point(ids[i], dimension::kLens)) : Vec2(0));
+      rays.set(i, ray.origin, ray.direction, ray.t_max);
     }
   }
 
@@ -158,19 +189,17 @@ class Renderer::Rendering {
   /// One sample of each pixel.
   void trace_sample(const Pixel& block, std::span<const Pixel> pixels, uint32_t sample,
                     RenderedPixels& counted, Color* colors, double* weights) {
-    const Moment& moment = moment_of(block, sample);
-    RayPacket rays;
     RasterPoints at;
     OfPacket<SampleId> ids;
     for (const Pixel& p : pixels) {
+      const size_t i = ids.size();
       const SampleId& id = ids.push_back({p.x, p.y, sample});
       const PixelFilter::Place place = place_of(id);
-      at.x[rays.size] = p.x + 0.5 + place.offset.x;
-      at.y[rays.size++] = p.y + 0.5 + place.offset.y;
+      at.x[i] = p.x + 0.5 + place.offset.x;
+      at.y[i] = p.y + 0.5 + place.offset.y;
       *weights++ = place.weight;
     }
-    aim(moment.camera, ids.span(), at, rays);
-    trace(moment, rays, at, ids.span(), counted, colors);
+    trace(moment_of(block, sample), at, ids.span(), counted, colors);
   }
 
   /// Adds the samples from `first` on.
@@ -198,7 +227,6 @@ class Renderer::Rendering {
     const auto columns = static_cast<size_t>(rect_.width() * a) + 1;
     std::vector<Color> row(columns);
     const auto trace_row = [&](int y) {
-      RayPacket rays;
       RasterPoints at;
       OfPacket<SampleId> ids;
       for (size_t i = 0; i < columns; ++i) {
@@ -208,14 +236,12 @@ class Renderer::Rendering {
           return (column < rect_.x1 * a || column == settings_.crop.x1 * a) &&
                  (y < rect_.y1 * b || y == settings_.crop.y1 * b);
         };
+        at.x[ids.size()] = static_cast<double>(x) / a;
+        at.y[ids.size()] = static_cast<double>(y) / b;
         ids.push_back({x, y, 0});
-        at.x[rays.size] = static_cast<double>(x) / a;
-        at.y[rays.size++] = static_cast<double>(y) / b;
-        if (!rays.is_full() && i + 1 < columns && owns(x + 1) == owns(x)) continue;
-        aim(moments_.front().camera, ids.span(), at, rays);
-        trace(moments_.front(), rays, at, ids.span(), owns(x) ? result_ : counted_elsewhere_,
-              &row[i + 1 - rays.size]);
-        rays.clear();
+        if (ids.size() < kMostPacketRays && i + 1 < columns && owns(x + 1) == owns(x)) continue;
+        trace(moments_.front(), at, ids.span(), owns(x) ? result_ : counted_elsewhere_,
+              &row[i + 1 - ids.size()]);
         ids.clear();
       }
     };
@@ -308,7 +334,9 @@ class Renderer::Rendering {
         continue;
       }
       const SampleId id{p.x, p.y, 0};
-      const Ray ray = moments_.front().camera.ray(next->center.x, next->center.y);
+      const Camera& camera = moments_.front().camera;
+      if (!camera.sees(next->center.x, next->center.y)) continue;
+      const Ray ray = camera.ray(next->center.x, next->center.y);
       Color color(0);
       RasterPoints at;
       at.x[0] = next->center.x;

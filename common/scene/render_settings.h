@@ -8,6 +8,7 @@
 #include "common/materials/spectrum.h"
 #include "common/sampling/pixel_filter.h"
 #include "common/sampling/sampler.h"
+#include "common/scene/projection.h"
 #include "common/scene/zone_settings.h"
 
 namespace rayfarm {
@@ -90,6 +91,7 @@ inline constexpr uint32_t kMostDepth = 1000;
 struct RenderSettings {
   int width_px = 512, height_px = 512;
   PixelRect crop{0, 0, 512, 512};  ///< what is rendered of the image
+  Fit fit = Fit::width;
   LightingModel lighting = LightingModel::whitted;
   SamplingPattern sampling = SamplingPattern::sobol;
   FilterKind filter = FilterKind::box;
@@ -131,7 +133,7 @@ struct RenderSettings {
   template <typename Archive>
   void serialize(Archive& archive) {
     auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
-    archive(width_px, height_px, crop, lighting, colour, pixel_format, seed);
+    archive(width_px, height_px, crop, fit, lighting, colour, pixel_format, seed);
     archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast);
     archive(max_reflections, max_transmissions, max_depth, min_weight);
     archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);

@@ -14,6 +14,7 @@
 #include "common/scene/hierarchy_records.h"
 #include "common/scene/light.h"
 #include "common/scene/participating_medium.h"
+#include "common/scene/projection.h"
 #include "common/scene/spectral_color.h"
 #include "common/shapes/polygon.h"
 #include "common/shapes/quadric.h"
@@ -115,8 +116,12 @@ struct InstancePose {
 
 struct ViewRecord {
   uint32_t location = 0, direction = 0, look_at = kNone, up = 0, field_of_view = 0, focus = 0;  ///< curves
+  uint32_t width = 0;  ///< a curve: of an orthographic view, in the world
+  Projection projection = Projection::perspective;
   double aspect = 1;
   double lens_radius = 0;
+  std::array<double, 2> shift{0, 0};  ///< of the picture to the right and up, in widths of the view
+  double near = 0, far = std::numeric_limits<double>::infinity();  ///< nothing is seen but between these
 };
 
 /// What there is one of.

@@ -207,7 +207,12 @@ void check_media(const Scene& s) {
 void check_motion(const Scene& s) {
   const auto curve = [&](uint32_t c) { require(c < s.curves.size(), "a curve"); };
   const ViewRecord& view = s.head().view;
-  for (const uint32_t c : {view.location, view.direction, view.up, view.field_of_view, view.focus}) curve(c);
+  for (const uint32_t c :
+       {view.location, view.direction, view.up, view.field_of_view, view.focus, view.width})
+    curve(c);
+  require(view.projection <= Projection::fisheye && std::isfinite(view.shift[0]) &&
+              std::isfinite(view.shift[1]) && view.near >= 0 && view.near < view.far && view.aspect > 0,
+          "the view");
   if (view.look_at != kNone) curve(view.look_at);
   require(s.key_frames.size() == s.key_values.size(), "the keys");
   OwnRanges keys(s.key_frames.size(), "a curve's keys"), steps(s.steps.size(), "an object's transform");

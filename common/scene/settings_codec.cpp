@@ -14,12 +14,12 @@ void check_settings(const RenderSettings& settings) {
   if (!is_size(settings.width_px) || !is_size(settings.height_px) || crop.x0 < 0 || crop.y0 < 0 ||
       crop.x0 >= crop.x1 || crop.y0 >= crop.y1 || crop.x1 > settings.width_px || crop.y1 > settings.height_px)
     throw SettingsError("the picture has no such size or crop");
-  if (settings.lighting > LightingModel::zonal || settings.sampling > SamplingPattern::corners ||
-      settings.filter > FilterKind::mitchell || settings.colour > ColourModel::spectral ||
-      settings.glass_shadows > GlassShadows::none || settings.ambient_colour > AmbientColour::light ||
-      settings.pixel_format > PixelFormat::float32 || settings.diffuse_bands > DiffuseBands::cone ||
-      settings.diffuse_set > DiffuseSet::fixed || settings.item_buffer > ItemBuffer::checked ||
-      settings.self_hit > SelfHit::medium)
+  if (settings.fit > Fit::letterbox || settings.lighting > LightingModel::zonal ||
+      settings.sampling > SamplingPattern::corners || settings.filter > FilterKind::mitchell ||
+      settings.colour > ColourModel::spectral || settings.glass_shadows > GlassShadows::none ||
+      settings.ambient_colour > AmbientColour::light || settings.pixel_format > PixelFormat::float32 ||
+      settings.diffuse_bands > DiffuseBands::cone || settings.diffuse_set > DiffuseSet::fixed ||
+      settings.item_buffer > ItemBuffer::checked || settings.self_hit > SelfHit::medium)
     throw SettingsError("a choice among the settings does not exist");
   if (!settings.colour_nodes_nm.empty() &&
       (settings.colour != ColourModel::spectral || !are_colour_nodes(settings.colour_nodes_nm)))

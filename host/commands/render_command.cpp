@@ -63,6 +63,10 @@ void add_picture(Options& options, RenderOptions& o) {
         o.size_px = size;
       },
       "image size in pixels (default: the scene's)", "WxH");
+  options.choice<Fit>(
+      "--fit", o.fit, choices<Fit>(kFitWords),
+      "in an image of another aspect than the view's: the view is as wide as it; covers it, and is "
+      "cropped; or stands whole between bars (default: width)");
   options.text(
       "--crop", [&o](const std::string& text) { o.crop = parse_numbers<4>(text, ',', "x0,x1,y0,y1"); },
       "render only these pixels; x1 and y1 are excluded", "x0,x1,y0,y1");

@@ -30,6 +30,7 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
   s.width_px = size[0];
   s.height_px = size[1];
   s.crop = {0, 0, s.width_px, s.height_px};
+  s.fit = options.fit.value_or(Fit::width);
   if (options.crop) {
     const auto& c = *options.crop;
     s.crop = {c[0], c[2], c[1], c[3]};
@@ -248,6 +249,22 @@ std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneD
   return notes;
 }
 
+std::vector<std::string> name_fit(const RenderOptions& options, const RenderSettings& settings,
+                                  const ViewDescription& view) {
+  const double height_px = settings.width_px / view.aspect;
+  const bool is_same = std::abs(height_px - settings.height_px) <= 1;
+  if (options.fit && is_same && settings.fit != Fit::width)
+    return {fmt::format("--fit {} does nothing here: the image has the view's aspect",
+                        kFitWords[static_cast<size_t>(settings.fit)])};
+  if (options.fit || !options.size_px || is_same) return {};
+  return {
+      fmt::format("--size {}x{} is of another aspect than the view, {:g} in width over height: it is seen in "
+                  "its whole width, and "
+                  "{} above and below; --fit crop or letterbox, or --size {}x{:.0f}, would keep it",
+                  settings.width_px, settings.height_px, view.aspect,
+                  settings.height_px < height_px ? "less" : "more", settings.width_px, height_px)};
+}
+
 std::vector<std::string> name_open_objects(const RenderSettings& settings, const SceneDescription& scene,
                                            std::span<const uint32_t> open) {
   std::vector<std::string> notes;
@@ -278,9 +295,11 @@ std::vector<std::string> name_idle_items(const RenderSettings& s, const Scene& s
   std::vector<std::string> notes;
   if (s.item_buffer != ItemBuffer::none && !has_one_eye(scene, s))
     notes.emplace_back(
-        "--item-buffer does nothing here: through a lens, or while the shutter is open on what moves, eye "
-        "rays have "
-        "no common origin");
+        "--item-buffer does nothing here: through a lens, of a view that is not a perspective one or has "
+        "bars, "
+        "`near` or `far`, or while the shutter is open on what moves, eye rays do not go from one point "
+        "through a "
+        "plane");
   if (s.light_cells == 0 || follows_paths(s.lighting)) return notes;
   if (is_blurred(scene, s)) {
     notes.emplace_back("--light-buffer does nothing here: things move while the shutter is open");

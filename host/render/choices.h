@@ -30,6 +30,10 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
 /// Names those that could do something, but not in this scene.
 std::vector<std::string> name_idle_options(const RenderSettings& settings, const SceneDescription& scene);
 
+/// What becomes of the view in a picture of another aspect, if nobody chose it.
+std::vector<std::string> name_fit(const RenderOptions& options, const RenderSettings& settings,
+                                  const ViewDescription& view);
+
 /// What in the scene does not hold to what SelfHit::medium asks for: closed bodies. `open_objects`: see
 /// find_open_objects.
 std::vector<std::string> name_open_objects(const RenderSettings& settings, const SceneDescription& scene,

@@ -108,7 +108,8 @@ class Render {
                           "output needs a name of its own",
                           file, frame.value()));
       try {
-        make_camera(loaded_->compiled.scene, frame.value(), settings.width_px, settings.height_px);
+        make_camera(loaded_->compiled.scene, frame.value(), settings.width_px, settings.height_px,
+                    settings.fit);
       } catch (const std::domain_error& e) {
         throw InputError({options_.scene}, fmt::format("at frame {}: {}", frame.value(), e.what()));
       }
@@ -165,6 +166,7 @@ class Render {
 
     const RenderSettings settings = choose_settings(options_, loaded_->description);
     for (const std::string& note : name_idle_options(settings, loaded_->description)) log_->warn(note);
+    for (const std::string& note : name_fit(options_, settings, loaded_->description.view)) log_->info(note);
     for (const std::string& note : name_open_objects(settings, loaded_->description, loaded_->open_objects))
       log_->warn(note);
     for (const std::string& note : name_idle_shading(settings, loaded_->compiled.scene)) log_->warn(note);

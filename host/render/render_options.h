@@ -18,6 +18,7 @@ struct RenderOptions {
   std::string output;
   std::string frames;  ///< empty: the scene's, or frame 0
   std::optional<std::array<int, 2>> size_px;
+  std::optional<Fit> fit;
   std::optional<std::array<int, 4>> crop;   ///< x0, x1, y0, y1, half-open
   RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
   std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds

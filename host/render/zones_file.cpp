@@ -55,6 +55,7 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
   s.width_px = usual.width_px;
   s.height_px = usual.height_px;
   s.crop = usual.crop;
+  s.fit = usual.fit;
   s.pixel_format = usual.pixel_format;
   s.sampling = usual.sampling;
   s.samples = usual.samples;

@@ -45,7 +45,7 @@ OfPacket<Branch>& LightingTree::plant(const FrameContext& context, std::span<con
   eye_branches_.clear();
   depths_.fill(1);
   for (size_t i = 0; i < ids.size(); ++i) {
-    Branch& branch = eye_branches_.emplace_back(ids[i], i, context.spread);
+    Branch& branch = eye_branches_.emplace_back(ids[i], i, context.width, context.spread);
     if (context.eye_media) [[unlikely]]
       branch.media = *context.eye_media;
   }

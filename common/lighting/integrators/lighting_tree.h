@@ -30,9 +30,10 @@ struct Receiver {
 struct Branch {
   /// Of an eye ray. It sets what is read and no more: many are made, and clearing all of one first, as a
   /// constructor that the compiler makes does, costs more than making it.
-  Branch(const SampleId& of, size_t ray, double of_spread)
+  Branch(const SampleId& of, size_t ray, double of_width, double of_spread)
       : receiver{.place = static_cast<uint32_t>(ray)},
         id(of),
+        width(of_width),
         spread(of_spread),
         eye_ray(static_cast<uint8_t>(ray)) {}
   Receiver receiver;
@@ -40,7 +41,7 @@ struct Branch {
   SampleId id;          ///< its sample
   uint32_t stream = 0;  ///< tells the branches of one sample apart, for their random numbers
   /// Of its cone where it begins (once traced: where it ends), and what it gains with each unit of length.
-  double width = 0, spread;
+  double width, spread;
   uint16_t reflections = 0, transmissions = 0;  ///< on the way from the eye, this ray's own with them
   Media media;                                  ///< that it is in
   /// Sources that it meets were found by the shadow rays of the surface that a diffuse ray left.

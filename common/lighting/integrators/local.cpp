@@ -32,7 +32,7 @@ class LocalIntegrator : public Integrator {
         colors[i] = eval_background(context.scene, rays.direction(i));
         continue;
       }
-      surfaces.begin(context, i, hits[i].t * context.spread, ids[i], 0, context.eye_media);
+      surfaces.begin(context, i, context.width + hits[i].t * context.spread, ids[i], 0, context.eye_media);
       surfaces.add_ambient_and_emission(context, i);
     }
     add_direct_light(context, highlights_, surfaces, counts);

@@ -17,6 +17,7 @@ size_t PathTracer::trace(const RayPacket& rays, std::span<const SampleId> ids) {
     Path& path = paths_.emplace_back();
     path.place = static_cast<uint32_t>(i);
     path.id = ids[i];
+    path.width = context_.width;
     path.spread = context_.spread;
     if (context_.eye_media) [[unlikely]]
       path.media = *context_.eye_media;
