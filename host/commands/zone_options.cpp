@@ -4,13 +4,9 @@ namespace rayfarm {
 
 void add_zone_options(Options& options, RenderOptions& o) {
   ZoneSettings& zones = o.settings.zones;
-  options.begin_group("Zones (--lighting radiosity and zonal)");
   options.number(
       "--zone-size", zones.size, 1e-12, 1e12,
       "how long the sides of zones may be, in the world (default: so that there are about 10,000)");
-  options.choice<ZoneView>("--zone-view", zones.view, choices<ZoneView>(kZoneViewWords),
-                           "zones as they are; smoothed; smoothed, with light straight from sources by "
-                           "shadow rays; or read by one ray from each point that is seen (default: direct)");
   options.number("--zone-rays", zones.rays, 1, kMostZoneRays,
                  "zonal: rays of the first round; later ones have as many for the same power. radiosity: "
                  "all that form factors by rays take (default: 1,000,000)");
@@ -37,6 +33,12 @@ void add_zone_options(Options& options, RenderOptions& o) {
                "FILE");
   options.number("--zone-memory", zones.most_GiB, 0.001, 1024,
                  "GiB that zones may take in a process (default: 4)");
+}
+
+void add_zone_view_option(Options& options, RenderOptions& o) {
+  options.choice<ZoneView>("--zone-view", o.settings.zones.view, choices<ZoneView>(kZoneViewWords),
+                           "zones as they are; smoothed; smoothed, with light straight from sources by "
+                           "shadow rays; or read by one ray from each point that is seen (default: direct)");
 }
 
 }  // namespace rayfarm

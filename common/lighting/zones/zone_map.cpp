@@ -200,10 +200,6 @@ void ZoneMap::make_cells(const ZoneSettings& settings, bool has_directions) {
         static_cast<double>(settings.most_bytes()) / 0x1p30));
 }
 
-TriangleCells ZoneMap::triangle_of(const ZoneGrid& grid) const {
-  return {triangle_vertices(scene_, grid.block_lane), grid.record};
-}
-
 void ZoneMap::make_triangle(ZoneGrid& grid) {
   const InstancePose& place = pose_[grid.instance];
   const std::array<Vec3, 3> v = triangle_vertices(scene_, grid.block_lane);

@@ -106,6 +106,13 @@ class ZoneMap {
   /// Where directions are counted from at a point: unit, in the world, not yet across a normal.
   Vec3 tangent(const InstancePose& place, const ZoneGrid& grid, const Vec3& p_object) const;
 
+  // The cells of a grid, by its shape.
+  TriangleCells triangle_cells(const ZoneGrid& grid) const {
+    return {triangle_vertices(scene_, grid.block_lane), grid.record};
+  }
+  const PlaneCells& plane_cells(const ZoneGrid& grid) const { return planes_[grid.record]; }
+  const RevolvedCells& revolved_cells(const ZoneGrid& grid) const { return revolved_[grid.record]; }
+
   const Scene& scene() const { return scene_; }
   const Pose& pose() const { return pose_; }
 
@@ -131,7 +138,6 @@ class ZoneMap {
   RevolvedCells::Point revolved_point(const ZoneGrid& grid, const RevolvedCells& cells, const Vec2& uv) const;
   void reserve_cells(ZoneGrid& grid, double columns, double rows, bool is_triangle);
   double parts_of(double length) const;
-  TriangleCells triangle_of(const ZoneGrid& grid) const;
 
   Scene scene_;
   Pose pose_;
