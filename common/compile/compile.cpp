@@ -370,6 +370,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   CompiledScene result;
   result.block = encode_scene(std::move(arrays));
   result.scene = decode_scene(result.block.bytes());
+  result.objects.assign(tree.objects().begin(), tree.objects().end());
   result.notes = description.notes;
   parts.add_notes(result.notes);
   add_notes_of_built(description, options, result.notes);

@@ -9,8 +9,9 @@ namespace rayfarm {
 
 struct CompiledScene {
   SceneBlock block;
-  Scene scene;  ///< a view into the block
-  Notes notes;  ///< of loading and compiling
+  Scene scene;                    ///< a view into the block
+  Notes notes;                    ///< of loading and compiling
+  std::vector<uint32_t> objects;  ///< by node of the object tree: which of the description's it is
 };
 
 /// For what a compiled scene is.

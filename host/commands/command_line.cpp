@@ -100,6 +100,10 @@ Option Options::number(const std::string& names, std::optional<int>& target, int
                        const std::string& help) {
   return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
 }
+Option Options::number(const std::string& names, std::optional<double>& target, double least, double most,
+                       const std::string& help) {
+  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+}
 Option Options::number(const std::string& names, uint32_t& target, uint32_t least, uint32_t most,
                        const std::string& help) {
   return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));

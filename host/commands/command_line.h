@@ -64,6 +64,8 @@ class Options {
   Option number(const std::string& names, std::optional<uint32_t>& target, uint32_t least, uint32_t most,
                 const std::string& help);
   Option number(const std::string& names, double& target, double least, double most, const std::string& help);
+  Option number(const std::string& names, std::optional<double>& target, double least, double most,
+                const std::string& help);
   Option number(const std::string& names, uint64_t& target, const std::string& help);
   /// Several, with commas between them.
   Option numbers(const std::string& names, std::vector<int>& target, int least, int most,

@@ -5,6 +5,7 @@
 namespace rayfarm {
 
 void add_render_command(CommandLine& line);
+void add_bake_command(CommandLine& line);
 void add_check_command(CommandLine& line);
 void add_info_command(CommandLine& line);
 void add_compile_command(CommandLine& line);

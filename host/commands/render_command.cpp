@@ -8,6 +8,7 @@
 #include "host/commands/colour_option.h"
 #include "host/commands/commands.h"
 #include "host/commands/hierarchy_options.h"
+#include "host/commands/job_options.h"
 #include "host/commands/net_options.h"
 #include "host/commands/zone_options.h"
 #include "host/render/output_pattern.h"
@@ -127,24 +128,10 @@ void add_light(Options& options, RenderOptions& o) {
       "phong, torrance-sparrow and whitted: ambient light has its own colour alone, or is weighed by the "
       "surface's (default: surface)");
   add_colour_option(options, o.settings);
-  options.number(
-      "--max-depth", o.max_depth, 1, kMostDepth,
-      "depth of the lighting tree; the eye ray is 1 (default: what the two limits below need, 12; path: "
-      "100)");
-  options.number(
-      "--max-reflections", o.max_reflections, 0, kMostDepth - 1,
-      "reflected and diffuse rays on a branch of the tree (default: 4; with --max-depth or path: as "
-      "deep as the tree)");
-  options.number(
-      "--max-transmissions", o.max_transmissions, 0, kMostDepth - 1,
-      "transmitted rays on a branch of the tree (default: 7; with --max-depth or path: as deep as the "
-      "tree)");
+  add_depth_options(options, o);
   options.number("--min-weight", o.settings.min_weight, 0, 1,
                  "do not trace rays that would contribute less (0: no cut-off; default: 1e-6)");
-  options.choice<SelfHit>("--self-hit", o.settings.self_hit, choices<SelfHit>(kSelfHitWords),
-                          "what keeps rays from the surface that they leave: they start off it by a bound on "
-                          "rounding, or exactly on it, and can't hit a side on which there is not the medium "
-                          "that they are in, as closed bodies let them (default: bound)");
+  add_self_hit_option(options, o);
 }
 
 void add_sampling(Options& options, RenderOptions& o) {
@@ -198,19 +185,13 @@ void add_items(Options& options, RenderOptions& o) {
 
 void add_net(Options& options, RenderOptions& o) {
   options.begin_group("Nodes and net");
-  options.choice<AssignmentPolicy>(
-      "--assign", o.policy,
-      {{"interleaved", AssignmentPolicy::interleaved}, {"on-demand", AssignmentPolicy::on_demand}},
-      "who traces what (default: on-demand)");
+  add_assign_option(options, o);
   options.choice<Wire>(
       "--wire", o.wire, {{"block", Wire::block}, {"pixel", Wire::pixel}},
       "form of results: a block per subpolygon, or the thesis's 9 bytes per pixel (default: block)");
   options.choice<bool>("--compression", o.compresses, {{"none", false}, {"zstd", true}},
                        "of RGB8 blocks (default: zstd)");
-  options.number("--local-nodes", o.local_nodes, 1, 256,
-                 "without mpirun: how many nodes run inside this process (default: one per core)");
-  options.number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s,
-                 liveness::kMostNodeTimeout_s, "seconds of silence after which a node is lost (default: 8)");
+  add_node_options(options, o);
   add_sets(options, o.sets);
   options.flag("!--no-rotation", o.rotates,
                "interleaved: each node keeps its own set in every frame, where the sets move on otherwise");
@@ -232,17 +213,11 @@ void add_messages(Options& options, RenderOptions& o) {
                "write to this JSON file what each subpolygon took and weighs (rayfarm simulate reads it)",
                "FILE");
   options.text("--stats", o.stats, "write statistics to this JSON file", "FILE");
-  options.choice<ProgressStyle>("--progress", o.progress,
-                                {{"auto", ProgressStyle::automatic},
-                                 {"none", ProgressStyle::none},
-                                 {"plain", ProgressStyle::plain},
-                                 {"tty", ProgressStyle::tty}},
-                                "progress display (default: auto)");
+  add_progress_option(options, o);
   options.choice<bool>(
       "--report", o.is_full_report, {{"full", true}, {"short", false}},
       "what is said at the end: ten lines, or all that an experimenter asks (default: short)");
-  options.flag("-q,--quiet", o.is_quiet, "errors only");
-  options.flag("-v,--verbose", o.is_verbose, "tell more");
+  add_quiet_options(options, o);
 }
 
 void check_output(const RenderOptions& o) {
@@ -299,31 +274,6 @@ void check_combinations(const RenderOptions& o) {
     throw UsageError("--wire pixel carries three bytes of colour; use --pixel-format rgb8 or --wire block");
 }
 
-/// A limit that was not given follows from those that were: a depth alone leaves all kinds of rays to it, and
-/// limits of the kinds have the depth that they need.
-void set_limits(RenderOptions& o) {
-  RenderSettings& s = o.settings;
-  const bool is_path = follows_paths(s.lighting), has_depth = o.max_depth || is_path;
-  if (has_depth) limit_by_depth(s, o.max_depth.value_or(kPathDepth));
-  s.max_reflections = o.max_reflections.value_or(s.max_reflections);
-  s.max_transmissions = o.max_transmissions.value_or(s.max_transmissions);
-  if (!has_depth) s.max_depth = 1 + s.max_reflections + s.max_transmissions;
-  if (s.max_depth > kMostDepth)
-    throw UsageError(
-        fmt::format("--max-reflections {} and --max-transmissions {} make a tree of depth {}, more than {}; "
-                    "lower one of them",
-                    s.max_reflections, s.max_transmissions, s.max_depth, kMostDepth));
-  const auto check = [&s](const char* name, uint32_t limit) {
-    if (limit >= s.max_depth)
-      throw UsageError(fmt::format(
-          "{} {} can't be reached: a tree of depth {} has {} rays on a branch after the eye ray; raise "
-          "--max-depth or leave the limit out",
-          name, limit, s.max_depth, s.max_depth - 1));
-  };
-  check("--max-reflections", s.max_reflections);
-  check("--max-transmissions", s.max_transmissions);
-}
-
 void check_render(RenderOptions& o) {
   set_limits(o);
   check_output(o);
@@ -352,7 +302,9 @@ void add_render_command(CommandLine& line) {
   options.text("SCENE", o->scene, ".yaml, .nff or .rfp").required();
   add_picture(options, *o);
   add_light(options, *o);
+  options.begin_group("Zones (--lighting radiosity and zonal)");
   add_zone_options(options, *o);
+  add_zone_view_option(options, *o);
   add_sampling(options, *o);
   options.begin_group("Hierarchy");
   add_hierarchy_options(options, o->build);

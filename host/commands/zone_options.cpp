@@ -14,9 +14,6 @@ void add_zone_size_options(Options& options, ZoneSettings& zones) {
 void add_zone_options(Options& options, RenderOptions& o) {
   ZoneSettings& zones = o.settings.zones;
   add_zone_size_options(options, zones);
-  options.choice<ZoneView>("--zone-view", zones.view, choices<ZoneView>(kZoneViewWords),
-                           "zones as they are; smoothed; smoothed, with light straight from sources by "
-                           "shadow rays; or read by one ray from each point that is seen (default: direct)");
   options.number("--zone-rays", zones.rays, 1, kMostZoneRays,
                  "zonal: rays of the first round; later ones have as many for the same power. radiosity: "
                  "all that form factors by rays take (default: 1,000,000)");
@@ -41,6 +38,12 @@ void add_zone_options(Options& options, RenderOptions& o) {
                "the file in which the light of zones is kept; if it is there nothing is computed again; #### "
                "becomes the frame number",
                "FILE");
+}
+
+void add_zone_view_option(Options& options, RenderOptions& o) {
+  options.choice<ZoneView>("--zone-view", o.settings.zones.view, choices<ZoneView>(kZoneViewWords),
+                           "zones as they are; smoothed; smoothed, with light straight from sources by "
+                           "shadow rays; or read by one ray from each point that is seen (default: direct)");
 }
 
 }  // namespace rayfarm

@@ -41,6 +41,10 @@ void FarmHost::run() {
   for (const FrameGroup& group : groups) {
     std::optional<Bytes> solution = options_.zones.make_solver ? solve_zones(group) : Bytes();
     if (!solution) break;
+    if (options_.zones.take) {
+      options_.zones.take(options_.plan.pictures.frames[group.first.place()], std::move(*solution));
+      continue;
+    }
     make_pictures(group, std::move(*solution));
     if (is_over_) break;
   }

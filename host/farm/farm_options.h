@@ -29,6 +29,8 @@ struct ZonesOfJob {
   std::function<std::optional<Bytes>(FrameNumber frame)> find;
   /// Given each that was found by work; may be empty.
   std::function<void(FrameNumber frame, std::span<const std::byte> solution)> keep;
+  /// Given each in place of pictures, of which none are made then; may be empty.
+  std::function<void(FrameNumber frame, Bytes solution)> take;
 };
 
 struct FarmHostOptions {

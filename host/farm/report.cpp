@@ -47,6 +47,26 @@ std::string format_zones(const ZonesResult& zones) {
   return text;
 }
 
+/// Which nodes were lost; empty if none was.
+std::string format_losses(const JobResult& result) {
+  std::string text;
+  auto out = std::back_inserter(text);
+  constexpr size_t kMostLosses = 3;
+  // mpirun ends all nodes when it is stopped: that is no loss.
+  const std::vector<NodeId> lost = result.was_interrupted ? std::vector<NodeId>() : result.lost_nodes();
+  for (size_t i = 0; i < std::min(lost.size(), kMostLosses); ++i) {
+    const NodeResult& node = result.node(lost[i]);
+    fmt::format_to(out, "lost     node {} on {} (process {}){}{}\n", node.id.value(), node.machine, node.pid,
+                   node.problem.empty() ? "" : ": " + node.problem,
+                   i + 1 == kMostLosses && lost.size() > kMostLosses
+                       ? fmt::format("; and {} more", lost.size() - kMostLosses)
+                       : "");
+  }
+  if (!lost.empty())
+    text += "         (Open MPI may print lines such as PMIX ERROR about it: they are harmless)\n";
+  return text;
+}
+
 }  // namespace
 
 std::string format_report(const JobResult& result, const TrafficMeter& meter) {
@@ -80,20 +100,15 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
                  result.nodes.size(), result.nodes.size() == 1 ? "" : "s");
   fmt::format_to(out, "net      {:.2f} bytes per pixel in results; the thesis's model: {:.0f}\n",
                  bytes_per_received_pixel(result, meter), kModelBytesPerPixel);
-  constexpr size_t kMostLosses = 3;
-  // mpirun ends all nodes when it is stopped: that is no loss.
-  const std::vector<NodeId> lost = result.was_interrupted ? std::vector<NodeId>() : result.lost_nodes();
-  for (size_t i = 0; i < std::min(lost.size(), kMostLosses); ++i) {
-    const NodeResult& node = result.node(lost[i]);
-    fmt::format_to(out, "lost     node {} on {} (process {}){}{}\n", node.id.value(), node.machine, node.pid,
-                   node.problem.empty() ? "" : ": " + node.problem,
-                   i + 1 == kMostLosses && lost.size() > kMostLosses
-                       ? fmt::format("; and {} more", lost.size() - kMostLosses)
-                       : "");
-  }
-  if (!lost.empty())
-    text += "         (Open MPI may print lines such as PMIX ERROR about it: they are harmless)\n";
-  return text;
+  return text + format_losses(result);
+}
+
+std::string format_zones_report(const JobResult& result, const std::string& made) {
+  const JobTimes& t = result.times;
+  return fmt::format(
+      "baked    {}\ntime     {:.2f} s: load {:.2f}, build {:.2f}, broadcast {:.2f}, write {:.2f}\n{}{}", made,
+      t.total_s, t.load_s, t.build_s, t.broadcast_s, t.write_s, format_zones(result.zones),
+      format_losses(result));
 }
 
 std::string format_full_report(const JobResult& result, const TrafficMeter& meter) {

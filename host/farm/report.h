@@ -17,6 +17,9 @@ double bytes_per_received_pixel(const JobResult& result, const TrafficMeter& met
 /// For people who want a picture: what was written, time, rays, speed, losses. At most ten lines.
 std::string format_report(const JobResult& result, const TrafficMeter& meter);
 
+/// The same of a job that made no pictures. `made`: what it made, a line.
+std::string format_zones_report(const JobResult& result, const std::string& made);
+
 /// For experimenters: traffic by command, times, rays and nodes, who traced what.
 std::string format_full_report(const JobResult& result, const TrafficMeter& meter);
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "common/scene/camera.h"
+#include "host/bake/bake.h"
 #include "host/farm/dismissal.h"
 #include "host/farm/farm_host.h"
 #include "host/farm/report.h"
@@ -158,6 +159,26 @@ class Render {
     };
   }
 
+  /// What can't be baked is told before hours of work.
+  void prepare_bake(const RenderSettings& settings, FarmHostOptions& farm_options) {
+    bake_.emplace(farm_options.files.front(), options_.scene, loaded_->description, loaded_->compiled,
+                  settings, farm_options.plan.pictures.frames.front().value());
+    for (const std::string& note : bake_->notes()) log_->warn(note);
+    farm_options.zones.take = [this](FrameNumber, Bytes solution) { solution_ = std::move(solution); };
+  }
+
+  /// Nothing is written of a job that did not come to its end.
+  void write_bake(const FarmHostOptions& farm_options) {
+    if (!solution_) return;
+    FrameResult& frame = result_.frames.front();
+    auto attributes = farm_options.attributes;
+    attributes["rayfarm/frame"] = fmt::format("{}", frame.frame.value());
+    const double begin = now_s();
+    baked_ = fmt::format("{}: {}", frame.file, bake_->write(*solution_, *options_.bake, attributes));
+    result_.times.write_s = now_s() - begin;
+    frame.is_written = true;
+  }
+
   int render_loaded(const RollCall& roll_call) {
     result_.times.load_s = loaded_->load_s;
     result_.times.build_s = loaded_->build_s;
@@ -186,13 +207,19 @@ class Render {
       log_->info("nothing to do");
       return kComplete;
     }
-    farm_options.window_frames = choose_window(
-        settings, frames.size(), grid.count(),
-        farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size);  // the machine's copy
-    if (options_.wire == Wire::pixel && natural_format(options_.output) != PixelFormat::rgb8)
+    if (options_.bake) prepare_bake(settings, farm_options);
+    farm_options.window_frames =
+        options_.bake
+            ? 1
+            : choose_window(
+                  settings, frames.size(), grid.count(),
+                  farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size);  // the machine's copy
+    if (!options_.bake && options_.wire == Wire::pixel &&
+        natural_format(options_.output) != PixelFormat::rgb8)
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
     log_->debug("{} nodes, {} × {} subpolygons", plan.processors, grid.columns, grid.rows);
-    for (const std::string& note : name_limits(options_, grid, plan.processors)) log_->warn(note);
+    if (!options_.bake)
+      for (const std::string& note : name_limits(options_, grid, plan.processors)) log_->warn(note);
     choose_zones(settings, farm_options);
     make_output_folders(options_);
 
@@ -216,6 +243,7 @@ class Render {
                     [this](const std::string& text) { log_->warn(text); });
       host.run();
     }
+    if (bake_) write_bake(farm_options);
     result_.times.total_s = now_s() - begin_;
     mark_silent_nodes(farm_.transport, roll_call.signs(), result_);
     return report(plan, settings);
@@ -224,7 +252,9 @@ class Render {
   /// Says what came of it. What can't be told leaves the pictures whole, but not the exit code 0.
   int report(const JobPlan& plan, const RenderSettings& settings) {
     const TrafficMeter& meter = *farm_.transport.meter();
-    if (!options_.is_quiet)
+    if (bake_ && !options_.is_quiet)
+      say("{}", format_zones_report(result_, baked_.empty() ? "nothing" : baked_));
+    else if (!options_.is_quiet)
       say("{}", options_.is_full_report ? format_full_report(result_, meter) : format_report(result_, meter));
     for (const FrameResult& frame : result_.frames)
       if (frame.is_written) std::fprintf(stdout, "%s\n", frame.file.c_str());
@@ -258,6 +288,9 @@ class Render {
   std::optional<LoadedScene> loaded_;
   bool is_loaded_ = false;
   bool is_zones_file_missing_ = false;  ///< it could not be written
+  std::optional<Bake> bake_;            ///< in place of pictures
+  std::optional<Bytes> solution_;       ///< to be baked
+  std::string baked_;                   ///< what was, a line
   double begin_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "common/hierarchy/builder.h"
 #include "common/image/image_file.h"
 #include "common/scene/render_settings.h"
+#include "host/bake/bake_options.h"
 #include "host/farm/progress.h"
 #include "protocol/job_plan.h"
 
@@ -39,7 +40,8 @@ struct RenderOptions {
   double node_timeout_s = liveness::kNodeTimeout_s;
   bool skip_existing = false;
   std::string stats, cost_map;
-  std::string zones_file;  ///< where the light of zones is kept; empty: nowhere
+  std::optional<BakeOptions> bake;  ///< the light of zones is written in place of pictures
+  std::string zones_file;           ///< where the light of zones is kept; empty: nowhere
   ProgressStyle progress = ProgressStyle::automatic;
   bool is_quiet = false, is_verbose = false, is_full_report = false;
 

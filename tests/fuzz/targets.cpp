@@ -21,6 +21,7 @@
 #include "tests/fuzz/block_seeds.h"
 #include "tests/fuzz/grid_seeds.h"
 #include "tests/fuzz/messages.h"
+#include "tests/fuzz/zone_bytes.h"
 #include "tests/read_in_pieces.h"
 #include "tests/render_little.h"
 #include "tests/scene_text.h"
@@ -337,6 +338,7 @@ std::vector<Target> make_targets(const std::string& path) {
        block_seeds(),
        {},
        true},
+      {"zones", [path](const std::string& bytes) { read_zones(path, bytes); }, zone_seeds(path), {}},
   };
 }
 

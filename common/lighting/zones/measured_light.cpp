@@ -131,6 +131,8 @@ Color MeasuredLight::total() const {
   Color sum(0);
   for_each([&](const Color& followed) { sum += followed; },
            [&](uint64_t, const Color& direct, const Color& by_chance) { sum += direct + by_chance; });
+  for (int c = 0; c < 3; ++c)
+    if (!std::isfinite(sum[c])) throw std::runtime_error("zones get more light than numbers can tell");
   return sum;
 }
 

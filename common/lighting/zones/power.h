@@ -47,6 +47,13 @@ inline Power scaled(const Power& power, const Color& by) {
 /// All primary power is so many quanta: sums of it have room in 63 bits as long as light is sent on fewer
 /// than kMostSendings times.
 inline constexpr double kQuanta = 0x1p52, kMostSendings = 1000;
+/// What is told as one power before it is added up: all that there is, and something for rounding.
+inline constexpr int64_t kMostAtOnce = int64_t{1} << 54;
+inline bool is_possible(const Power& power) {
+  for (const int64_t q : power.quanta)
+    if (q > kMostAtOnce || q < -kMostAtOnce) return false;
+  return true;
+}
 
 /// What one quantum is worth.
 struct ZoneQuantum {
@@ -62,9 +69,13 @@ struct ZoneQuantum {
   }
   Power quantized(const Color& power) const {
     Power result;
-    for (size_t c = 0; c < 3; ++c)
-      if (worth[c] > 0)
-        result[c] = static_cast<int64_t>(std::floor(power[static_cast<int>(c)] / worth[c] + 0.5));
+    for (size_t c = 0; c < 3; ++c) {
+      if (!(worth[c] > 0)) continue;
+      const double quanta = std::floor(power[static_cast<int>(c)] / worth[c] + 0.5);
+      if (!(quanta <= static_cast<double>(kMostAtOnce)))
+        throw std::runtime_error("a zone has more power than there is");
+      result[c] = static_cast<int64_t>(quanta);
+    }
     return result;
   }
 };

@@ -21,7 +21,10 @@ ZoneStageHead read_stage_head(PackedReader& in, size_t passes) {
   head.kind = static_cast<ZoneStageKind>(kind);
   head.pass = static_cast<uint32_t>(pass);
   head.round = static_cast<uint32_t>(round);
-  for (double& worth : head.quantum.worth) worth = in.real();
+  for (double& worth : head.quantum.worth) {
+    worth = in.real();
+    if (!(worth >= 0) || !std::isfinite(worth)) throw PackedReader::damaged();
+  }
   head.rays = in.real();
   head.first = in.real();
   if (!(head.rays >= 0 && head.rays <= 0x1p32 && head.first > 0)) throw PackedReader::damaged();

@@ -54,9 +54,21 @@ class ZonalSolver : public ZoneSolver {
     PackedReader in(result);
     const Power sent = in.power(), absorbed = in.power(), escaped = in.power();
     PowerSums kept(slots()), direct(slots());
-    in.sums(slots(), [&](uint64_t slot, const Power& power) { kept[slot] = power; });
-    in.sums(slots(), [&](uint64_t slot, const Power& power) { direct[slot] = power; });
+    Power left = sent;  // what was sent is somewhere, to the quantum
+    left -= absorbed;
+    left -= escaped;
+    bool is_sound = is_possible(sent) && is_possible(absorbed) && is_possible(escaped);
+    in.sums(slots(), [&](uint64_t slot, const Power& power) {
+      is_sound = is_sound && is_possible(power) && is_possible(left);
+      if (is_sound) left -= power;
+      kept[slot] = power;
+    });
+    in.sums(slots(), [&](uint64_t slot, const Power& power) {
+      is_sound = is_sound && is_possible(power);
+      direct[slot] = power;
+    });
     in.expect_end();
+    if (!is_sound || !left.is_zero()) throw PackedReader::damaged();
     if (stage_ == ZoneStageKind::mirrors) current_->primary += sent;
     current_->absorbed += absorbed;
     current_->escaped += escaped;

@@ -9,6 +9,9 @@
 namespace rayfarm {
 namespace {
 
+/// More than are ever asked for.
+constexpr double kMostRaysOfSender = 0x1p32;
+
 /// Between calls of `pulse`.
 constexpr uint64_t kRaysPerPulse = 64;
 
@@ -30,12 +33,16 @@ class ZonalTracer : public ZoneTracer {
     senders_.emplace(zones_);
     if (head_.kind == ZoneStageKind::shoot || head_.kind == ZoneStageKind::emit) {
       in.sums(zones_.slot_count(), [&](uint64_t slot, const Power& power) {
+        for (const int64_t q : power.quanta)
+          if (q < 0 || q > kMostAtOnce) throw PackedReader::damaged();
         slots_.push_back(slot);
         unsent_.push_back(power);
         senders_->add(slot, power);
       });
-      for (const ZoneSender& sender : senders_->all())
+      for (const ZoneSender& sender : senders_->all()) {
+        if (!(head_.rays * (sender.power / head_.first) <= kMostRaysOfSender)) throw PackedReader::damaged();
         first_ray_.push_back(first_ray_.back() + ray_count(sender, head_));
+      }
     }
     in.expect_end();
     if (!colors_[head_.pass]) colors_[head_.pass].emplace(zones_.scene(head_.pass), zones_.map());

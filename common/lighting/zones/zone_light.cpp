@@ -1,9 +1,6 @@
 #include "common/lighting/zones/zone_light.h"
 
 #include <numbers>
-#include <unordered_map>
-
-#include "common/sampling/random.h"
 
 namespace rayfarm {
 namespace {
@@ -17,25 +14,6 @@ Color over(const Color& a, const Color& b) {
     if (b[c] > 0) result[c] = a[c] / b[c];
   return result;
 }
-
-/// Corners so near to each other, in parts of the scene's size, are one.
-constexpr double kCornerGrid = 0x1p-24;
-
-/// What tells corners apart. Rounding is askew, so that places that scenes prefer are not on its edges.
-struct CornerKey {
-  std::array<int64_t, 3> p{};
-  std::array<int32_t, 3> normal{};
-  uint32_t material = 0;
-  bool operator==(const CornerKey&) const = default;
-};
-struct CornerHash {
-  size_t operator()(const CornerKey& key) const {
-    uint64_t h = key.material;
-    for (size_t i = 0; i < 3; ++i)
-      h = mix_bits(mix_bits(h ^ static_cast<uint64_t>(key.p[i])) ^ static_cast<uint32_t>(key.normal[i]));
-    return h;
-  }
-};
 
 }  // namespace
 
@@ -59,7 +37,10 @@ ZoneLight::ZoneLight(const ZoneScene& zones, size_t pass, const ZonePassSolution
         value = over(value, colors_(grid, cell).reflected[side] + colors_(grid, cell).through);
       }
   }
-  if (view != ZoneView::flat) find_corners();
+  if (view == ZoneView::flat) return;
+  corners_.emplace(map_, [](const ZoneGrid& grid) { return grid.store.is_diffuse; });
+  corners_->set(
+      [&](const ZoneGrid& grid, uint32_t cell, uint32_t side) { return kept_diffusely(grid, cell, side); });
 }
 
 /// Makes values of power.
@@ -79,65 +60,10 @@ Color ZoneLight::per_power(uint64_t slot) const {
   return over(Color(grid.directions.count()), extinction);
 }
 
-void ZoneLight::find_corners() {
-  shared_corner_.assign(map_.corner_count(), kNone);
-  Box bounds;
-  for (uint32_t i = 0; i < map_.scene().instances.size(); ++i)
-    if (!map_.pose()[i].is_hidden) bounds.grow(map_.pose()[i].bounds);
-  const double step = kCornerGrid * std::max(max_component(bounds.extent()), bounds.magnitude() * 1e-8);
-  std::unordered_map<CornerKey, uint32_t, CornerHash> numbers;
-  std::vector<std::array<double, 2>> areas;
-  std::vector<std::array<Color, 2>> sums;
-  for (const ZoneGrid& grid : map_.grids()) {
-    if (!grid.store.is_diffuse) continue;
-    const InstancePose& place = map_.pose()[grid.instance];
-    for (uint32_t cell = 0; cell < grid.cell_count; ++cell) {
-      const double area = map_.area(grid, cell);
-      if (!(area > 0)) continue;
-      for (const uint32_t corner : map_.corners_of(grid, cell)) {
-        uint32_t& shared = shared_corner_[grid.first_corner + corner];
-        if (shared == kNone) {
-          const ZoneMap::Corner at = map_.corner(grid, corner);
-          const Vec3 p = place.is_identity ? at.p : place.world_from_object.point(at.p);
-          const Vec3 normal = place.is_identity
-                                  ? at.normal
-                                  : normalized(place.object_from_world.normal_by_inverse(at.normal));
-          CornerKey key;
-          key.material = grid.material;
-          for (int i = 0; i < 3; ++i) {
-            key.p[static_cast<size_t>(i)] = static_cast<int64_t>(std::floor(p[i] / step + 0.381966));
-            key.normal[static_cast<size_t>(i)] =
-                static_cast<int32_t>(std::floor(normal[i] * 1000 + 0.381966));
-          }
-          shared = numbers.emplace(key, static_cast<uint32_t>(areas.size())).first->second;
-          if (shared == areas.size()) {
-            areas.emplace_back();
-            sums.push_back({Color(0), Color(0)});
-          }
-        }
-        for (uint32_t side = 0; side < 2; ++side) {
-          areas[shared][side] += area;
-          sums[shared][side] += area * Color(kept_diffusely(grid, cell, side));
-        }
-      }
-    }
-  }
-  for (size_t i = 0; i < areas.size(); ++i)
-    for (size_t side = 0; side < 2; ++side) corner_values_.push_back(sums[i][side] / areas[i][side]);
-}
-
 Color ZoneLight::diffuse(const ZoneGrid& grid, const GridPlace& place, uint32_t side) const {
-  if (view_ == ZoneView::flat) return kept_diffusely(grid, map_.cell_at(grid, place), side);
-  const CellCorners corners = map_.corners_at(grid, place);
-  Color sum(0);
-  double weight = 0;
-  for (size_t i = 0; i < 4; ++i) {
-    const uint32_t shared = shared_corner_[grid.first_corner + corners.corner[i]];
-    if (shared == kNone || !(corners.weight[i] > 0)) continue;  // only cells without an area are about it
-    sum += corners.weight[i] * Color(corner_values_[2 * size_t{shared} + side]);
-    weight += corners.weight[i];
-  }
-  return weight > 0 ? sum / weight : Color(kept_diffusely(grid, map_.cell_at(grid, place), side));
+  if (corners_)
+    if (const std::optional<Color> smooth = corners_->at(grid, place, side)) return *smooth;
+  return kept_diffusely(grid, map_.cell_at(grid, place), side);
 }
 
 /// Linear between the middles of the cells of directions.

@@ -1,6 +1,7 @@
 #pragma once
 // Radiance that zones keep, as pictures read it.
 #include "common/lighting/zones/kept_light.h"
+#include "common/lighting/zones/shared_corners.h"
 #include "common/lighting/zones/zone_scene.h"
 #include "common/lighting/zones/zone_solution.h"
 
@@ -28,7 +29,6 @@ class ZoneLight {
 
  private:
   Color source_at(const MediumGrid& grid, const Vec3& p, const Vec3& to_viewer) const;
-  void find_corners();
   Color per_power(uint64_t slot) const;
   glm::vec3 kept_diffusely(const ZoneGrid& grid, uint32_t cell, uint32_t side) const {
     return values_[grid.slot(cell, side)];
@@ -46,9 +46,7 @@ class ZoneLight {
   /// of directions radiance.
   /// Of media the radiance of what is opaque.
   GrowingArray<glm::vec3> values_;
-  GrowingArray<uint32_t>
-      shared_corner_;  ///< by corner: corners at one place, of one material and normal, are one
-  GrowingArray<glm::vec3> corner_values_;  ///< by shared corner and side
+  std::optional<SharedCorners> corners_;  ///< of what is kept diffusely; none in the view `flat`
 };
 
 }  // namespace rayfarm

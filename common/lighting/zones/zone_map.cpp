@@ -201,10 +201,6 @@ void ZoneMap::make_cells(bool has_directions) {
   }
 }
 
-TriangleCells ZoneMap::triangle_of(const ZoneGrid& grid) const {
-  return {triangle_vertices(scene_, grid.block_lane), grid.record};
-}
-
 void ZoneMap::make_triangle(ZoneGrid& grid) {
   const InstancePose& place = pose_[grid.instance];
   const std::array<Vec3, 3> v = triangle_vertices(scene_, grid.block_lane);

@@ -108,6 +108,13 @@ class ZoneMap {
   /// Where directions are counted from at a point: unit, in the world, not yet across a normal.
   Vec3 tangent(const InstancePose& place, const ZoneGrid& grid, const Vec3& p_object) const;
 
+  // The cells of a grid, by its shape.
+  TriangleCells triangle_cells(const ZoneGrid& grid) const {
+    return {triangle_vertices(scene_, grid.block_lane), grid.record};
+  }
+  const PlaneCells& plane_cells(const ZoneGrid& grid) const { return planes_[grid.record]; }
+  const RevolvedCells& revolved_cells(const ZoneGrid& grid) const { return revolved_[grid.record]; }
+
   const Scene& scene() const { return scene_; }
   const Pose& pose() const { return pose_; }
 
@@ -134,7 +141,6 @@ class ZoneMap {
   void reserve_cells(ZoneGrid& grid, double columns, double rows, bool is_triangle);
   /// Into how many zones of the grid's material that length is cut.
   double parts_of(const ZoneGrid& grid, double length) const;
-  TriangleCells triangle_of(const ZoneGrid& grid) const;
 
   Scene scene_;
   Pose pose_;

@@ -19,7 +19,7 @@ GridPlace ZoneMap::place_of(const ZoneGrid& grid, const Hit& hit, const Vec3& p_
 }
 
 uint32_t ZoneMap::cell_at(const ZoneGrid& grid, const GridPlace& place) const {
-  if (grid.shape == ZoneShape::triangle) return triangle_of(grid).cell_at(place);
+  if (grid.shape == ZoneShape::triangle) return triangle_cells(grid).cell_at(place);
   if (grid.shape == ZoneShape::revolved)
     return rayfarm::cell_at(place, revolved_[grid.record].columns, revolved_[grid.record].rows);
   const PlaneCells& plane = planes_[grid.record];
@@ -28,7 +28,7 @@ uint32_t ZoneMap::cell_at(const ZoneGrid& grid, const GridPlace& place) const {
 }
 
 CellCorners ZoneMap::corners_at(const ZoneGrid& grid, const GridPlace& place) const {
-  if (grid.shape == ZoneShape::triangle) return triangle_of(grid).corners_at(place);
+  if (grid.shape == ZoneShape::triangle) return triangle_cells(grid).corners_at(place);
   if (grid.shape == ZoneShape::revolved)
     return rayfarm::corners_at(place, revolved_[grid.record].columns, revolved_[grid.record].rows);
   return rayfarm::corners_at(place, planes_[grid.record].columns, planes_[grid.record].rows);
@@ -37,7 +37,7 @@ CellCorners ZoneMap::corners_at(const ZoneGrid& grid, const GridPlace& place) co
 InlineVector<uint32_t, 4> ZoneMap::corners_of(const ZoneGrid& grid, uint32_t cell) const {
   InlineVector<uint32_t, 4> corners;
   if (grid.shape == ZoneShape::triangle) {
-    for (const uint32_t c : triangle_of(grid).corners_of(cell)) corners.push_back(c);
+    for (const uint32_t c : triangle_cells(grid).corners_of(cell)) corners.push_back(c);
     return corners;
   }
   const uint32_t columns =
@@ -49,7 +49,7 @@ InlineVector<uint32_t, 4> ZoneMap::corners_of(const ZoneGrid& grid, uint32_t cel
 
 ZoneMap::Corner ZoneMap::corner(const ZoneGrid& grid, uint32_t corner) const {
   if (grid.shape == ZoneShape::triangle) {
-    const TriangleCells cells = triangle_of(grid);
+    const TriangleCells cells = triangle_cells(grid);
     const auto& v = cells.vertices;
     return {cells.corner_point(corner), normalized(glm::cross(v[1] - v[0], v[2] - v[0]))};
   }
@@ -104,7 +104,7 @@ ZonePoint ZoneMap::point_at(const ZoneGrid& grid, uint32_t cell, uint32_t side, 
   hit.primitive = grid.primitive;
   hit.block_lane = grid.block_lane;
   if (grid.shape == ZoneShape::triangle) {
-    result.p_object = triangle_of(grid).point(cell, u);
+    result.p_object = triangle_cells(grid).point(cell, u);
     hit.u = hit.v = hit.w = 1.0 / 3;  // only normals of vertices ask for them
   } else if (grid.shape == ZoneShape::plane) {
     result.p_object = planes_[grid.record].point(cell, u);

@@ -26,6 +26,7 @@ class ZoneScene {
   size_t passes() const { return passes_.size(); }
   /// The scene in the colours of a pass.
   const Scene& scene(size_t pass) const { return passes_[pass].scene(); }
+  const ColourPass& colours(size_t pass) const { return passes_[pass].pass(); }
 
  private:
   Scene scene_;

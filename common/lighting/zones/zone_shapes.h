@@ -36,13 +36,13 @@ struct TriangleCells {
   Vec3 corner_point(uint32_t corner) const;
   /// Uniform on the cell.
   Vec3 point(uint32_t cell, const Vec2& u) const;
-
- private:
   struct Place {
     uint32_t column = 0, row = 0;
     bool is_upper = false;  ///< it hangs from the row's upper line
   };
   Place place_of(uint32_t cell) const;
+
+ private:
   uint32_t corner(uint32_t column, uint32_t row) const {
     return row * (parts + 1) - row * (row - 1) / 2 + column;
   }
