@@ -100,6 +100,27 @@ TEST(ZoneMap, CellsOfTrianglesAndTheirCorners) {
   }
 }
 
+TEST(ZoneMap, CellsAboutAPlaceAreWeighedLinearly) {
+  // What is linear over cells comes out linear; outside of the outermost middles it stays as it is. Where the
+  // last column is beside the first, a turn from there leads half way into the next.
+  for (const bool is_round : {false, true})
+    for (const Vec2 place : {Vec2(2.3, 1.9), Vec2(0.1, 0.2), Vec2(4.9, 2.9), Vec2(-1, 7), Vec2(2.5, 1.5)}) {
+      const NearCells near = cells_about(place, 5, 3, is_round);
+      double x = 0, y = 0, weight = 0;
+      for (size_t i = 0; i < 4; ++i) {
+        ASSERT_LT(near.cell[i], 15u);
+        double middle = near.cell[i] % 5 + 0.5;
+        if (is_round && std::abs(middle - place.x) > 3) middle += middle < 2.5 ? 5 : -5;
+        x += near.weight[i] * middle;
+        y += near.weight[i] * (near.cell[i] / 5 + 0.5);
+        weight += near.weight[i];
+      }
+      EXPECT_NEAR(weight, 1, 1e-12);
+      EXPECT_NEAR(y, std::clamp(place.y, 0.5, 2.5), 1e-12);
+      EXPECT_NEAR(x, is_round ? std::clamp(place.x, 0.0, 5.0) : std::clamp(place.x, 0.5, 4.5), 1e-12);
+    }
+}
+
 TEST(ZoneMap, DirectionsHaveEqualProjectedSolidAngles) {
   // Cells of directions are as likely as each other under Lambert's law, and a place leads back to itself.
   constexpr uint32_t kCells = 7;

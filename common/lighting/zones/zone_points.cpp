@@ -27,6 +27,19 @@ uint32_t ZoneMap::cell_at(const ZoneGrid& grid, const GridPlace& place) const {
   return plane.stands_for.empty() ? cell : plane.stands_for[cell];
 }
 
+NearCells ZoneMap::cells_about(const ZoneGrid& grid, const GridPlace& place) const {
+  if (grid.shape == ZoneShape::triangle) return {{triangle_of(grid).cell_at(place)}};
+  if (grid.shape == ZoneShape::revolved) {
+    const RevolvedCells& cells = revolved_[grid.record];
+    return rayfarm::cells_about(place, cells.columns, cells.rows, true);
+  }
+  const PlaneCells& plane = planes_[grid.record];
+  NearCells near = rayfarm::cells_about(place, plane.columns, plane.rows, false);
+  if (!plane.stands_for.empty())
+    for (uint32_t& cell : near.cell) cell = plane.stands_for[cell];
+  return near;
+}
+
 CellCorners ZoneMap::corners_at(const ZoneGrid& grid, const GridPlace& place) const {
   if (grid.shape == ZoneShape::triangle) return triangle_of(grid).corners_at(place);
   if (grid.shape == ZoneShape::revolved)
