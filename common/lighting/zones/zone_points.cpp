@@ -134,6 +134,10 @@ ZonePoint ZoneMap::point_at(const ZoneGrid& grid, uint32_t cell, uint32_t side, 
     result.surface.geometric_normal = -result.surface.geometric_normal;
   }
   result.surface.shading_normal = result.surface.geometric_normal;
+  // What rays meet as triangles has corners of 24 bits, and its plane is so much beside the polygon's: rays
+  // that leave must start off both.
+  if (grid.shape == ZoneShape::plane && grid.block_lane != kNone)
+    result.surface.offset *= 0x1p-22 / rounding_bound(1);
   const Vec3 along = tangent(place, grid, result.p_object), &n = result.surface.geometric_normal;
   result.tangent = normalized(along - glm::dot(along, n) * n);
   return result;
