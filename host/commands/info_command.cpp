@@ -182,6 +182,7 @@ void add_info_command(CommandLine& line) {
   Options options = line.add(std::move(verb));
   options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
   add_hierarchy_options(options, *build);
+  options.begin_group("Zones");
   add_zone_size_options(options, *zones);
 }
 

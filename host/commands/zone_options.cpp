@@ -3,7 +3,6 @@
 namespace rayfarm {
 
 void add_zone_size_options(Options& options, ZoneSettings& zones) {
-  options.begin_group("Zones (--lighting radiosity and zonal)");
   options.number("--zone-size", zones.size, 1e-12, 1e12,
                  "how long the sides of zones may be, in the world, where the scene's `zones` says nothing "
                  "else (default: so that there are about 10,000)");
