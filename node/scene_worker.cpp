@@ -8,8 +8,8 @@ namespace {
 
 class PictureTracer : public PictureWorker {
  public:
-  PictureTracer(const RenderSettings& settings, std::span<const std::byte> block)
-      : renderer_(decode_scene(block), settings) {}
+  PictureTracer(const RenderSettings& settings, const Scene& scene)
+      : renderer_(scene, settings), has_media_(!scene.media.empty()) {}
 
   void set_zones(std::span<const std::byte> solution) override { zones_ = solution; }
 
@@ -18,18 +18,20 @@ class PictureTracer : public PictureWorker {
     zones_ = {};  // not before: should they fail, the next item fails, too
     RenderedPixels rendered =
         renderer_.render(frame.value(), {p.left, p.top, p.right + 1, p.bottom + 1}, pulse);
-    return {std::move(rendered.pixels), rendered.counts, rendered.eye_hits > 0, rendered.not_finite};
+    return {std::move(rendered.pixels), rendered.counts, rendered.eye_hits > 0 || has_media_,
+            rendered.not_finite};
   }
 
  private:
   Renderer renderer_;
+  bool has_media_;                    ///< which eye rays may see without meeting an object
   std::span<const std::byte> zones_;  ///< of the pose of the frames to come, if that is news
 };
 
 }  // namespace
 
 std::unique_ptr<PictureWorker> make_scene_worker(const JobPlan& plan, std::span<const std::byte> scene) {
-  return std::make_unique<PictureTracer>(decode_settings(plan.settings), scene);
+  return std::make_unique<PictureTracer>(decode_settings(plan.settings), decode_scene(scene));
 }
 
 }  // namespace rayfarm

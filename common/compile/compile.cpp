@@ -346,7 +346,6 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
     arrays.header[0].has_last_hit = options.has_last_hit ? 1 : 0;
     arrays.header[0].ray_coherence = glm::radians(options.ray_coherence);
   }
-  add_view(arrays, description);
   add_materials(arrays, description, purpose);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
   add_listed_lights(arrays, description);
@@ -366,6 +365,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   if (purpose == Purpose::pictures) add_environment(arrays, description);
   places.luminaires = add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
   weigh_lights(arrays);
+  add_view(arrays, description);  // the last curves: all else is the same whoever looks
 
   CompiledScene result;
   result.block = encode_scene(std::move(arrays));

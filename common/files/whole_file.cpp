@@ -109,9 +109,15 @@ void write_whole_file(const std::string& path, const std::function<void(std::FIL
       if (std::fputc(0, file.get()) == EOF || std::fflush(file.get()) != 0) fail();
       throw;
     }
-    // Forced to its disk, so that a full one shows here.
+    // Forced to its disk, so that a full one shows here; what failed before that has left its mark, and is
+    // asked for once more by a byte that is not meant to stay.
     errno = 0;
-    if (std::fflush(file.get()) != 0 || std::ferror(file.get()) || fsync(descriptor) != 0) fail();
+    if (std::ferror(file.get())) {
+      std::clearerr(file.get());
+      if (std::fputc(0, file.get()) != EOF) std::fflush(file.get());
+      fail();
+    }
+    if (std::fflush(file.get()) != 0 || fsync(descriptor) != 0) fail();
     std::filesystem::rename(temporary, target);
   } catch (const std::exception& e) {
     std::error_code ignored;

@@ -71,16 +71,16 @@ Option Options::add(CLI::Option* option) {
 }
 
 namespace {
-/// NaN is in no range, though the parser's own check lets it pass.
+/// NaN is in no range, though the parser's own check lets it pass, and that prints small limits as 0.
 CLI::Validator in_range(double least, double most) {
-  return CLI::Range(least, most) & CLI::Validator(
-                                       [](std::string& text) {
-                                         double value = 0;
-                                         return CLI::detail::lexical_cast(text, value) && std::isnan(value)
-                                                    ? "'" + text + "' is not a number"
-                                                    : std::string();
-                                       },
-                                       "");
+  return CLI::Validator(
+      [least, most](std::string& text) {
+        double value = 0;
+        return CLI::detail::lexical_cast(text, value) && value >= least && value <= most
+                   ? std::string()
+                   : fmt::format("{} is not a number from {:g} to {:g}", text, least, most);
+      },
+      "");
 }
 }  // namespace
 

@@ -7,7 +7,7 @@ void add_zone_size_options(Options& options, ZoneSettings& zones) {
                  "how long the sides of zones may be, in the world, where the scene's `zones` says nothing "
                  "else (default: so that there are about 10,000)");
   options.number("--zone-memory", zones.most_GiB, 0.001, 1024,
-                 "GiB that zones may take in a process (default: 4)");
+                 "GiB that zones and their sums may take on the host (default: 4)");
 }
 
 void add_zone_options(Options& options, RenderOptions& o) {

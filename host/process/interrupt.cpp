@@ -26,6 +26,7 @@ void catch_interrupts() {
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaction(number, &action, nullptr);
   // Who reads the text may leave: the pictures are written all the same.
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is one that can't be written
 }
 
 int interrupted_by() {

@@ -140,13 +140,19 @@ class Render {
                      fmt::format("--zones {}: things move, so that each frame has zones of its own; put #### "
                                  "into the name",
                                  name));
-    const auto file =
-        std::make_shared<ZonesFile>(name, loaded_->compiled.block.bytes(), settings, has_poses(scene));
-    for (const FrameGroup& group : farm_options.groups) file->read(frames[group.first.place()]);
-    farm_options.zones.find = [this, file](FrameNumber frame) {
-      std::optional<Bytes> solution = file->read(frame);
-      if (solution)
-        log_->info("{} has the light of all zones; it is not computed again", file->file_of(frame));
+    const auto file = std::make_shared<ZonesFile>(name, scene, settings, has_poses(scene));
+    // Where nothing moves, the file of any frame will do.
+    const std::vector<FrameNumber> all = has_poses(scene) ? std::vector<FrameNumber>() : frames;
+    const auto look = [file, all](FrameNumber first) {
+      std::optional<Bytes> solution = file->read(first);
+      FrameNumber of = first;
+      for (size_t i = 0; i < all.size() && !solution; ++i) solution = file->read(of = all[i]);
+      return std::pair(std::move(solution), of);
+    };
+    for (const FrameGroup& group : farm_options.groups) look(frames[group.first.place()]);
+    farm_options.zones.find = [this, file, look](FrameNumber frame) {
+      auto [solution, of] = look(frame);
+      if (solution) log_->info("{} has the light of all zones; it is not computed again", file->file_of(of));
       return solution;
     };
     farm_options.zones.keep = [this, file](FrameNumber frame, std::span<const std::byte> solution) {
@@ -268,7 +274,8 @@ class Render {
       is_told = false;
     }
     if (result_.was_interrupted)
-      throw JobError(kStopped, "stopped; finished frames are in place (--skip-existing goes on from there)");
+      throw JobError(kStopped,
+                     "stopped; frames that were finished are in place (--skip-existing goes on from there)");
     if (result_.lost_all_nodes) {
       const std::string problem = result_.first_problem();
       throw JobError(kRenderFailure, problem.empty() ? "every node is lost"

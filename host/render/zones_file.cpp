@@ -28,7 +28,7 @@ constexpr size_t kMostHeaderBytes = 1 << 16;
 /// What differs, for people, if a line does.
 std::string name_difference(const std::string& line) {
   if (line == "version") return "another version of Rayfarm";
-  if (line == "scene") return "another scene";
+  if (line == "scene") return "another scene, or one whose primitives are arranged otherwise (--hierarchy)";
   if (line == "frame") return "another frame, and things move in this scene";
   if (line == "settings") return "other settings";
   return "another " + line;
@@ -45,6 +45,28 @@ std::string name_difference(const std::string& line) {
 
 std::span<const std::byte> bytes_of(std::string_view text) {
   return std::as_bytes(std::span(text));
+}
+
+/// Of all that is seen, whoever looks at it. The curves of the view are the last, and so are their keys.
+std::string hash_without_view(const Scene& scene) {
+  const uint32_t curves = scene.head().view.location, keys = scene.curves[curves].first_key;
+  std::string hashes;
+  for_each_array(scene, [&]<typename T>(const char* name, std::span<const T> array) {
+    if constexpr (std::is_same_v<T, SceneHeader>) {
+      SceneHeader header = array.front();
+      header.view = {};
+      hashes += sha256(std::as_bytes(std::span(&header, 1)));
+      return;
+    }
+    const bool is_of_keys = array.data() == static_cast<const void*>(scene.key_frames.data()) ||
+                            array.data() == static_cast<const void*>(scene.key_values.data());
+    if (std::is_same_v<T, CurveRecord>)
+      array = array.first(curves);
+    else if (is_of_keys)
+      array = array.first(keys);
+    hashes += fmt::format("{} {} ", name, sha256(std::as_bytes(array)));
+  });
+  return sha256(bytes_of(hashes));
 }
 
 }  // namespace
@@ -75,24 +97,43 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
   s.item_buffer = usual.item_buffer;
   s.item_radius_px = usual.item_radius_px;
   s.light_cells = usual.light_cells;
+  s.min_weight = usual.min_weight;
+  s.glass_shadows = usual.glass_shadows;
+  const bool is_matrix = s.lighting == LightingModel::radiosity;
+  if (is_matrix) {
+    s.zones.shooting = usual.zones.shooting;
+    s.zones.tolerance = usual.zones.tolerance;
+  }
+  if (is_matrix && s.zones.form_factors == FormFactors::hemicube) s.zones.rays = usual.zones.rays;
+  if (!is_matrix || s.zones.form_factors == FormFactors::rays)
+    s.zones.hemicube_cells = usual.zones.hemicube_cells;
+  if (!is_matrix) s.zones.form_factors = usual.zones.form_factors;
   s.zones.view = usual.zones.view;
   s.zones.batch = usual.zones.batch;
   s.zones.most_GiB = usual.zones.most_GiB;
   return s;
 }
 
-ZonesFile::ZonesFile(std::string name, std::span<const std::byte> scene_block, const RenderSettings& settings,
-                     bool has_poses)
+ZonesFile::ZonesFile(std::string name, const Scene& scene, const RenderSettings& settings, bool has_poses)
     : name_(std::move(name)), has_poses_(has_poses) {
   const RenderSettings s = settings_of_zones(settings);
   lines_ = {{"version", RAYFARM_VERSION},
-            {"scene", sha256(scene_block)},
+            {"scene", hash_without_view(scene)},
             {"--lighting", fmt::format("{}", static_cast<int>(s.lighting))},
             {"--colour", fmt::format("{}", static_cast<int>(s.colour))},
             {"--seed", fmt::format("{}", s.seed)},
             {"--max-depth", fmt::format("{}", s.max_depth)},
             {"--max-reflections", fmt::format("{}", s.max_reflections)},
             {"--max-transmissions", fmt::format("{}", s.max_transmissions)},
+            {"--self-hit", fmt::format("{}", static_cast<int>(s.self_hit))},
+            {"--zone-size", fmt::format("{}", s.zones.size)},
+            {"--zone-rays", fmt::format("{}", s.zones.rays)},
+            {"--zone-samples", fmt::format("{}", s.zones.samples)},
+            {"--zone-tolerance", fmt::format("{}", s.zones.tolerance)},
+            {"--zone-primary", fmt::format("{}", static_cast<int>(s.zones.primary))},
+            {"--shoot", fmt::format("{}", static_cast<int>(s.zones.shooting))},
+            {"--form-factors", fmt::format("{}", static_cast<int>(s.zones.form_factors))},
+            {"--hemicube", fmt::format("{}", s.zones.hemicube_cells)},
             // All of them, those above and those that have no name of their own here.
             {"settings", sha256(encode_settings(s))}};
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/scene/render_settings.h"
+#include "common/scene/scene.h"
 #include "protocol/byte_stream.h"
 #include "protocol/index.h"
 
@@ -22,9 +23,9 @@ RenderSettings settings_of_zones(const RenderSettings& settings);
 
 class ZonesFile {
  public:
-  /// `name` may hold ####, for the frame. `has_poses`: a solution is of its frame alone.
-  ZonesFile(std::string name, std::span<const std::byte> scene_block, const RenderSettings& settings,
-            bool has_poses);
+  /// `name` may hold ####, for the frame. Where the scene is looked at from does not matter. `has_poses`: a
+  /// solution is of its frame alone.
+  ZonesFile(std::string name, const Scene& scene, const RenderSettings& settings, bool has_poses);
 
   std::string file_of(FrameNumber frame) const;
   /// Nothing if there is no such file. Throws JobError if it is damaged, or of another scene, settings,

@@ -51,7 +51,7 @@ struct Zoned {
     return s;
   }
   ZonesFile file(const std::string& folder) const {
-    return {folder + "/in.zones", compiled.block.bytes(), settings('z'), false};
+    return {folder + "/in.zones", compiled.scene, settings('z'), false};
   }
   CompiledScene compiled;
 };

@@ -76,6 +76,7 @@ class NrrdHeader {
  public:
   NrrdHeader(std::string_view text, const std::string& path) : text_(text), path_(path) {
     if (!text.starts_with("NRRD000")) fail("it is no NRRD file: it does not begin with NRRD000");
+    if (text.size() < 8 || text[7] < '1' || text[7] > '5') fail("NRRD files are read of versions 1 to 5");
     next_line();
     while (at_ < text_.size()) {
       const std::string_view line = trimmed(next_line());
@@ -124,7 +125,8 @@ class NrrdHeader {
     const size_t end = std::min(text_.find('\n', at_), text_.size());
     const std::string_view line = text_.substr(at_, end - at_);
     at_ = std::min(end + 1, text_.size());
-    if (line_ > 1000 || line.size() > 10'000) fail("its header has no end: an empty line");
+    if (line.size() > 10'000) fail("a line of its header is longer than 10,000 bytes");
+    if (line_ > 1000) fail("its header has no end: an empty line");
     return line;
   }
   /// Lower case, without the blanks that some names are written with and others not: `data file`, `datafile`.

@@ -28,7 +28,7 @@ class MatrixSolver : public ZoneSolver {
                          static_cast<double>(std::min(rays, surface_slots()) * kFormFactorBytes);
     if (surface_slots() > kNone || bytes > static_cast<double>(settings_.zones.most_bytes()))
       throw std::runtime_error(fmt::format(
-          "a matrix of {} sides of zones, each of which may see {} others, takes {:.1f} GiB, and {:g} GiB "
+          "a matrix of {} sides of zones, each of which may see {} others, takes {:.3g} GiB, and {:g} GiB "
           "are "
           "allowed; a larger --zone-size, {}, or more --zone-memory, is needed",
           surface_slots(), std::min(rays, surface_slots()), bytes / 0x1p30, settings_.zones.most_GiB,

@@ -153,20 +153,28 @@ class ZonalSolver : public ZoneSolver {
     next_.clear();
   }
 
-  /// Sums have room for light that is sent on so often, and no more.
-  void refuse_endless(const Power& unsent) const {
-    std::array<double, 3> had{};
-    const auto count = [&](const Power& power) {
-      for (size_t c = 0; c < 3; ++c) had[c] += static_cast<double>(power[c]);
-    };
-    count(unsent);
-    current_->total.for_each([&](uint64_t, const Power& power) { count(power); });
-    if (*std::max_element(had.begin(), had.end()) > kMostSendings * kQuanta)
-      throw std::runtime_error(fmt::format(
-          "light does not come to rest: after {} rounds zones have sent more than {:g} times what there was; "
-          "surfaces must take up a part of the light that they get (albedos below {:.3f}), or light must get "
-          "out",
-          head_.round, kMostSendings, 1 - 1 / kMostSendings));
+  /// Sums have room for light that is sent on so often, and no more. Where all send in each round, what the
+  /// rounds to come would add is foreseen from how fast what is unsent gets less: it falls ever more evenly.
+  void refuse_endless(const Power& unsent) {
+    constexpr uint32_t kFirstForesight = 32;
+    const bool is_foreseen = settings_.zones.shooting == ZoneShooting::all && head_.round >= kFirstForesight;
+    Power had = unsent;
+    current_->total.for_each([&](uint64_t, const Power& power) { had += power; });
+    for (size_t c = 0; c < 3; ++c) {
+      const auto now = static_cast<double>(unsent[c]);
+      const double lost = static_cast<double>(unsent_before_[c]) - now;
+      const double most_rounds = 4 * kMostSendings;
+      const double to_come =
+          is_foreseen ? now * (lost > 0 ? std::min(now / lost / 4, most_rounds) : most_rounds) : 0;
+      if (static_cast<double>(had[c]) + to_come > kMostSendings * kQuanta)
+        throw std::runtime_error(fmt::format(
+            "light does not come to rest: in {} rounds and those to come zones send more than {:g} times "
+            "what "
+            "there was; surfaces and media must take up a part of the light that they get (albedos below "
+            "{:.3f}), or light must get out",
+            head_.round, kMostSendings, 1 - 1 / kMostSendings));
+    }
+    unsent_before_ = unsent;
   }
 
   std::optional<ZoneStage> next_round() {
@@ -234,6 +242,7 @@ class ZonalSolver : public ZoneSolver {
   PowerSums emitted_;                 ///< by sources that shoot, until they have
   PowerSums unsent_, next_;           ///< to send; and what came in this stage
   std::optional<PowerSums> sending_;  ///< of it, what is sent, if not all
+  Power unsent_before_;               ///< when the round before began
   double unsent_total_ = 0;
   uint64_t rays_ = 0;
   // Of the stage that is worked on; none before a pass's first.

@@ -28,7 +28,7 @@ uint32_t ZoneMap::cell_at(const ZoneGrid& grid, const GridPlace& place) const {
 }
 
 NearCells ZoneMap::cells_about(const ZoneGrid& grid, const GridPlace& place) const {
-  if (grid.shape == ZoneShape::triangle) return {{triangle_of(grid).cell_at(place)}};
+  if (grid.shape == ZoneShape::triangle) return {{triangle_cells(grid).cell_at(place)}};
   if (grid.shape == ZoneShape::revolved) {
     const RevolvedCells& cells = revolved_[grid.record];
     return rayfarm::cells_about(place, cells.columns, cells.rows, true);
