@@ -3,6 +3,7 @@
 #include "common/compile/darkness.h"
 #include "common/compile/libraries.h"
 #include "common/compile/lights.h"
+#include "common/compile/materials.h"
 #include "common/compile/media.h"
 #include "common/compile/object_groups.h"
 #include "common/compile/objects.h"
@@ -36,12 +37,10 @@ void add_view(SceneArrays<GrowingArray>& arrays, const SceneDescription& descrip
   record.lens_radius = view.lens_radius;
 }
 
-void add_materials(SceneArrays<GrowingArray>& arrays, const SceneDescription& description, Purpose purpose) {
-  for (const MaterialDescription& m : description.materials) {
-    add_spectra(arrays, m.spectra, arrays.materials.size());
-    arrays.materials.push_back(m);
-  }
-  if (purpose == Purpose::library) return;  // those of its lights and background stay behind with them
+/// Those of lights, background and media.
+void add_own_spectra(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
+                     Purpose purpose) {
+  if (purpose == Purpose::library) return;  // they stay behind with what they are of
   for (const SpectrumDescription& s : description.spectra) add_spectra(arrays, std::span(&s, 1), s.index);
 }
 
@@ -346,8 +345,9 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
     arrays.header[0].has_last_hit = options.has_last_hit ? 1 : 0;
     arrays.header[0].ray_coherence = glm::radians(options.ray_coherence);
   }
-  add_materials(arrays, description, purpose);
   for (const TextureDescription& t : description.textures) add_texture(arrays, t);
+  add_materials(arrays, description);
+  add_own_spectra(arrays, description, purpose);
   add_listed_lights(arrays, description);
   if (purpose == Purpose::library)
     arrays.lights.clear();

@@ -47,12 +47,15 @@ void flatten(const Polygon& polygon, std::span<Vec3> points) {
 }  // namespace
 
 void ShapeCompiler::note_shading(uint32_t smoothing, uint32_t material, const Place& place) {
-  if (smoothing == static_cast<uint32_t>(Smoothing::gouraud) && arrays_.materials[material].bump != kNone)
-    count(bumped_, place);
+  if (smoothing != static_cast<uint32_t>(Smoothing::gouraud)) return;
+  const Material& m = arrays_.materials[material];
+  const bool has_map = m.kind == MaterialKind::principled &&
+                       arrays_.principled[m.principled][PrincipledInput::normal].texture != kNone;
+  if (m.bump != kNone || has_map) count(bumped_, place);
 }
 
 bool ShapeCompiler::is_luminous(uint32_t material) const {
-  return is_luminaire(arrays_.materials[material]);
+  return is_luminaire(arrays_.materials[material]) && !arrays_.materials[material].is_no_lamp;
 }
 
 void ShapeCompiler::count(Others& others, const Place& place) {

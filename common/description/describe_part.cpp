@@ -26,6 +26,11 @@ class Describer {
     check();
     add_textures();
     add_diagrams();
+    offsets_.principled = static_cast<uint32_t>(scene_.principled.size());
+    for (PrincipledMaterial principled : s_.principled) {
+      shift(principled, offsets_);
+      scene_.principled.push_back(principled);
+    }
     for (Material material : s_.materials) {
       shift(material, offsets_);
       static_cast<Material&>(scene_.materials.emplace_back(path_)) = material;

@@ -66,8 +66,10 @@ bool is_closed(const MeshShape& mesh) {
 bool is_open(const SceneDescription& scene, const ObjectDescription& object) {
   Edges polygons;
   for (const PrimitiveDescription& primitive : object.primitives) {
-    const MaterialKind kind = scene.materials[primitive.material].kind;
-    if (kind == MaterialKind::translucent || kind == MaterialKind::mix) continue;
+    const Material& material = scene.materials[primitive.material];
+    if (material.kind == MaterialKind::translucent || material.kind == MaterialKind::mix ||
+        material.is_pierced)
+      continue;
     if (const auto* polygon = std::get_if<PolygonShape>(&primitive.shape)) {
       for (const Vec3& p : polygon->points) polygons.add_point(p);
       polygons.end_polygon();

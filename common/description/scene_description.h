@@ -77,6 +77,7 @@ struct MaterialDescription : Material {
 struct TextureDescription : Texture {
   std::string name;
   std::vector<uint16_t> texels;  ///< of an image or array
+  bool is_from_srgb = false;     ///< of an image: its file's numbers were decoded
 };
 
 struct DiagramDescription : GoniometricDiagram {
@@ -222,6 +223,7 @@ struct SceneDescription {
   std::vector<SpectrumDescription> spectra;       ///< of those lights, background, ambient light and media
   std::vector<MediumDescription> media;           ///< that stand in boxes of the world
   std::vector<MaterialDescription> materials;     ///< the parts of a mix before it
+  std::vector<PrincipledMaterial> principled;     ///< that materials name
   std::vector<TextureDescription> textures;
   std::vector<StructureDescription> structures;
   std::vector<LibraryDescription> libraries;

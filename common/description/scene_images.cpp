@@ -1,7 +1,5 @@
 #include "common/description/scene_images.h"
 
-#include "common/textures/image_texture.h"
-
 namespace rayfarm {
 
 uint64_t texels_left(const SceneDescription& scene) {
@@ -11,11 +9,13 @@ uint64_t texels_left(const SceneDescription& scene) {
 }
 
 void load_scene_image(SceneDescription& scene, const std::string& path, TextureDescription& texture,
-                      const std::stop_token& stop) {
+                      const std::stop_token& stop, const ImageReading& reading) {
   // A mip map takes at most half as many texels again, in the worst case of an image one pixel wide as many.
   texture.kind = TextureKind::image;
   texture.is_mapped = 1;
-  texture.texels = load_texels(path, texture, std::min(limits::kTexturePixels, texels_left(scene) / 2), stop);
+  texture.texels =
+      load_texels(path, texture, std::min(limits::kTexturePixels, texels_left(scene) / 2), stop, reading);
+  texture.is_from_srgb = !is_linear(path, reading);
   scene.files.push_back(path);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Images that a scene names.
 #include "common/description/scene_description.h"
+#include "common/textures/image_texture.h"
 
 namespace rayfarm {
 
@@ -10,6 +11,6 @@ uint64_t texels_left(const SceneDescription& scene);
 /// Reads an image into `texture` and adds it to the scene's files. Throws IoError, also if the scene's images
 /// would have more pixels than `limits` allow, and Stopped.
 void load_scene_image(SceneDescription& scene, const std::string& path, TextureDescription& texture,
-                      const std::stop_token& stop);
+                      const std::stop_token& stop, const ImageReading& reading = {});
 
 }  // namespace rayfarm

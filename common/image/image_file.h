@@ -32,7 +32,7 @@ void check_image_whole(const std::string& path);
 class ImageReader {
  public:
   /// Throws IoError if it can't be read, has more than `most_pixels`, or claims more than its bytes can hold.
-  ImageReader(const std::string& path, uint64_t most_pixels);
+  ImageReader(const std::string& path, uint64_t most_pixels, ImagePart part = ImagePart::color);
   int width_px() const { return source_->width_px; }
   int height_px() const { return source_->height_px; }
   /// The next row, width × 3, until the next call. Throws IoError.

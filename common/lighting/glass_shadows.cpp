@@ -1,5 +1,6 @@
 #include "common/lighting/glass_shadows.h"
 
+#include "common/lighting/holes.h"
 #include "common/lighting/self_hits.h"
 
 namespace rayfarm {
@@ -18,12 +19,12 @@ Color light_through_glass(const FrameContext& context, Ray ray, bool is_blocked,
     if (arrives) return left;
     Surface surface = eval_surface(context.scene, context.pose, ray, hit);
     const Material& material = context.scene.materials[surface.material];
-    if (!(material.transmit > 0)) return Color(0);
-    if (is_weakened) {
-      left *= material.transmit * material.interior;
+    const double open = material.is_pierced ? open_share(context, ray, hit, surface, 0) : 0;
+    if (!(material.transmit > 0 || open > 0)) return Color(0);
+    if (is_weakened || !(material.transmit > 0)) {
+      left *= open + (1 - open) * material.transmit * material.interior;
       if (left == Color(0)) return left;
-      if (material.kind == MaterialKind::dielectric && !by_medium)
-        media.cross(surface.material, surface.is_front);
+      if (has_inside(material) && !by_medium) media.cross(surface.material, surface.is_front);
     }
     if (by_medium) {
       surface = laid_on_surface(context.scene, surface);

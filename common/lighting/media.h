@@ -19,7 +19,7 @@ class Media {
   uint32_t current(const Scene& scene) const {
     uint32_t best = kNone;
     for (size_t i = 0; i < count_; ++i)
-      if (scene.materials[inside_[i]].kind == MaterialKind::dielectric &&
+      if (has_inside(scene.materials[inside_[i]]) &&
           (best == kNone || scene.materials[inside_[i]].priority > scene.materials[best].priority))
         best = inside_[i];
     return best;

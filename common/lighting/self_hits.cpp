@@ -21,7 +21,8 @@ bool is_real(const Scene& scene, const Surface& surface, const Media& media) {
 }  // namespace
 
 bool is_sheet(const Material& material) {
-  return material.kind == MaterialKind::translucent || material.kind == MaterialKind::mix;
+  return material.kind == MaterialKind::translucent || material.kind == MaterialKind::mix ||
+         material.is_pierced != 0;
 }
 
 Hit next_real_hit(const FrameContext& context, const Ray& ray, const Media& media, const Hit& first) {
@@ -80,7 +81,7 @@ void lay_on_surfaces(const Scene& scene, uint32_t met, Surfaces& surfaces) {
 void leave(const Scene& scene, Surface surface, const Vec3& direction, Media& media) {
   if (glm::dot(surface.geometric_normal, direction) >= 0) return;
   const bool is_body = surface.offset == 0;
-  if (is_body || scene.materials[surface.material].kind == MaterialKind::dielectric)
+  if (is_body || has_inside(scene.materials[surface.material]))
     media.cross(surface.material, surface.is_front);
 }
 

@@ -20,7 +20,7 @@ inline bool is_by_medium(const FrameContext& context) {
 }
 
 /// Of a surface's declared material: it has two sides and nothing between them (translucent), or it is one of
-/// several wherever a ray meets it (mix).
+/// several wherever a ray meets it (mix), or nothing (holes.h).
 bool is_sheet(const Material& material);
 
 /// What each ray of a packet is in.

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "common/lighting/face_corners.h"
+#include "common/lighting/principled_surface.h"
 #include "common/materials/scattering.h"
 #include "common/math/spherical.h"
-#include "common/sampling/warps.h"
 
 namespace rayfarm {
 namespace {
@@ -97,54 +97,45 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
 }
 
 Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
-                  double choice, Surface& surface) {
-  const InstancePose& place = pose[hit.instance];
-  const Vec3 p_world = ray.origin + hit.t * ray.direction;
-  const Vec3 p = place.in_object(p_world);
-  const Frame frame(surface.geometric_normal);
-  // Steps along the surface, in the object's space: to measure how fast patterns change there.
-  const double step = std::max(width, 1e-4 * std::max(max_magnitude(p_world), hit.t));
-  const auto along = [&](const Vec3& world) {
-    return step * (place.is_identity ? world : place.object_from_world.vector(world));
-  };
-  const Vec3 dx = along(frame.tangent), dy = along(frame.bitangent);
-  const Vec2 uv = surface_parameters(scene, hit, p);
-  const auto wrapped = [](const Vec2& d) { return d - glm::round(d); };  // longitude jumps from 1 to 0
-  const Vec2 du = wrapped(surface_parameters(scene, hit, p + dx) - uv),
-             dv = wrapped(surface_parameters(scene, hit, p + dy) - uv);
-  const double per_step = width / step;
-  TexturePoint at{p, uv, per_step * std::max(glm::length(dx), glm::length(dy)),
-                  per_step * std::max(glm::length(du), glm::length(dv))};
+                  double choice, Surface& surface, PrincipledPoint& point) {
+  const Material& declared = scene.materials[surface.material];
+  if (declared.kind == MaterialKind::principled && !scene.principled[declared.principled].has_textures)
+    return principled_at(scene, declared, {}, ray.direction, surface, point);
+  const SurfacePatch patch = patch_at(scene, pose, ray, hit, width, surface);
   while (scene.materials[surface.material].kind == MaterialKind::mix) {
     const Material& mix = scene.materials[surface.material];
     const double second =
-        std::clamp(luminance(eval_texture(scene.textures[mix.texture], scene.texels, at)), 0.0, 1.0);
+        std::clamp(luminance(eval_texture(scene.textures[mix.texture], scene.texels, patch.at)), 0.0, 1.0);
     const bool is_second = choice < second;
     surface.material = mix.parts[is_second ? 1 : 0];
     // What is left of the choice chooses within a part that is a mix itself.
     choice = is_second ? choice / second : (choice - second) / (1 - second);
   }
   const Material& material = scene.materials[surface.material];
+  if (material.kind == MaterialKind::principled)
+    return principled_at(scene, material, patch, ray.direction, surface, point);
   Material result = material;
   if (material.texture != kNone)
-    result.color *= glm::max(
-        scene.head().channels_from_rgb * eval_texture(scene.textures[material.texture], scene.texels, at),
-        Color(0));
+    result.color *= glm::max(scene.head().channels_from_rgb *
+                                 eval_texture(scene.textures[material.texture], scene.texels, patch.at),
+                             Color(0));
   if (material.bump != kNone) {
-    const auto height = [&](const Vec3& point, const Vec2& parameters) {
-      TexturePoint there = at;
-      there.p = point;
+    const auto height = [&](const Vec3& point_on_it, const Vec2& parameters) {
+      TexturePoint there = patch.at;
+      there.p = point_on_it;
       there.uv = parameters;
       return material.bump_height *
              luminance(eval_texture(scene.textures[material.bump], scene.texels, there));
     };
+    const Vec3& p = patch.at.p;
+    const Vec2& uv = patch.at.uv;
     const double here = height(p, uv);
-    const double slope_x = (height(p + dx, uv + du) - here) / step,
-                 slope_y = (height(p + dy, uv + dv) - here) / step;
+    const double slope_x = (height(p + patch.dp_x, uv + patch.duv_x) - here) / patch.step,
+                 slope_y = (height(p + patch.dp_y, uv + patch.duv_y) - here) / patch.step;
     // On the inside of a surface hills are valleys (Blinn 1978).
     const double side = surface.is_front ? 1 : -1;
     const Vec3 n =
-        normalized(surface.shading_normal - side * (slope_x * frame.tangent + slope_y * frame.bitangent));
+        normalized(surface.shading_normal - side * (slope_x * patch.tangent + slope_y * patch.bitangent));
     if (glm::dot(n, ray.direction) < 0) surface.shading_normal = n;
   }
   return result;

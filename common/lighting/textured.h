@@ -1,11 +1,13 @@
 #pragma once
 // Materials whose colour, shape or substance a texture varies over their surface.
 #include "common/lighting/surface.h"
+#include "common/materials/principled.h"
 
 namespace rayfarm {
 
+/// True if `textured` has to say what is there; of principled materials it always has.
 inline bool is_textured(const Material& material) {
-  return material.texture != kNone || material.bump != kNone;
+  return material.texture != kNone || material.bump != kNone || material.kind == MaterialKind::principled;
 }
 
 /// The parameters (u, v) of a primitive at a point in its object's space. Spheres: longitude from the x axis
@@ -19,7 +21,13 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p);
 /// a mix `choice`, uniform in [0, 1), chooses the part with the probability that its texture gives it; the
 /// surface then is of that part. So each look is there as often as it should be, in every lighting model, and
 /// the mean over samples is the mean of the parts' light. `width`: of the ray's cone there, in the world.
+/// `point` gets the parameters of a principled material.
 Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
-                  double choice, Surface& surface);
+                  double choice, Surface& surface, PrincipledPoint& point);
+inline Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
+                         double choice, Surface& surface) {
+  PrincipledPoint point;
+  return textured(scene, pose, ray, hit, width, choice, surface, point);
+}
 
 }  // namespace rayfarm

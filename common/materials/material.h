@@ -18,7 +18,9 @@ enum class MaterialKind : uint32_t {
   polished,    ///< color: the substrate's albedo; index, exponent: of the polish
   translucent,  ///< color, back: the albedos of the two sides; through: what passes diffusely
   luminaire,    ///< color: the albedo; emission, exponent, is_inward
-  mix           ///< parts, texture: which of them is where; nothing else of it is read
+  mix,          ///< parts, texture: which of them is where; nothing else of it is read
+  principled  ///< principled: its parameters; color, emission, filter, index; the classical coefficients, and
+              ///< back, the colour of what it reflects, are the nearest to it (principled.h)
 };
 
 /// Which rays a material reflects ("It is useful to be able to turn off reflections from a particular
@@ -44,6 +46,12 @@ struct Material {
   Color interior{1};  ///< weighs what a classical surface transmits (thesis 3.2)
   Reflections reflections = Reflections::all;
   float zone_size = 0;  ///< of zones on it, in the world; 0: as is asked for all
+  // Of a principled material; 1: it holds.
+  uint8_t is_solid = 0;    ///< it lets light into a body, as a dielectric does
+  uint8_t is_pierced = 0;  ///< rays may pass it as if it were not there (lighting/holes.h)
+  uint8_t is_unlit = 0;    ///< it shines with its colour to both sides, and scatters nothing
+  uint8_t is_no_lamp = 0;  ///< it shines, but no shadow ray is sent to it
+  uint32_t padding = 0;
 
   double bump_height = 0;  ///< of the bump texture's white over its black
   /// Spread of what is reflected or refracted, cosⁿ about its direction; 0: none, the surface is smooth. Of a
@@ -58,13 +66,17 @@ struct Material {
   /// Of a luminaire whose radiance differs by direction; with its axis and where its horizontal angle is 0,
   /// unit, in the object's space.
   uint32_t diagram = kNone;
-  uint32_t reserved = 0;
+  uint32_t principled = kNone;  ///< of the scene's principled materials
   Vec3 diagram_axis{0, -1, 0}, diagram_zero{1, 0, 0};
   /// Of a mix: materials before it. Where the texture is black the first is there, where it is white the
   /// second, in between each with that probability.
   std::array<uint32_t, 2> parts{kNone, kNone};
 };
 
+/// Light goes through its surface into a body that has an index and a filter.
+inline bool has_inside(const Material& m) {
+  return m.kind == MaterialKind::dielectric || m.is_solid != 0;
+}
 inline bool has_reflected_rays(const Material& m) {
   return m.reflections != Reflections::none;
 }

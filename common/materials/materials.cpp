@@ -1,5 +1,6 @@
 // The families, one function each.
 #include "common/materials/fresnel.h"
+#include "common/materials/principled.h"
 #include "common/materials/scattering.h"
 #include "common/math/portable_math.h"
 
@@ -81,11 +82,16 @@ void scatter(const Material& material, const Interaction& at, Lobes& lobes) {
       return translucent(material, at, lobes);
     case MaterialKind::mix:  // its parts scatter
       return;
+    case MaterialKind::principled:
+      return at.principled ? scatter_principled(*at.principled, at, lobes)
+                           : scatter_by_coefficients(material, at, lobes);
   }
 }
 
 Color emitted(const Material& material, const Interaction& at) {
-  if (at.is_front == (material.is_inward != 0) || !is_luminaire(material)) return Color(0);
+  if (!is_luminaire(material)) return Color(0);
+  if (material.is_unlit) return material.emission;
+  if (at.is_front == (material.is_inward != 0)) return Color(0);
   const double cosine = std::max(0.0, glm::dot(at.normal, at.to_viewer));
   return (material.exponent > 0 ? portable_pow(cosine, material.exponent) : 1.0) * material.emission;
 }

@@ -1,5 +1,6 @@
 #include "common/materials/scattering.h"
 
+#include "common/materials/principled.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
@@ -24,6 +25,7 @@ double total_luminance(const Lobes& lobes) {
 }  // namespace
 
 Scattered eval(const Lobes& lobes, const Interaction& at, const Vec3& direction) {
+  if (at.principled) return eval_principled(lobes, at, direction);
   Scattered result;
   const double total = total_luminance(lobes);
   for (const Lobe& lobe : lobes) {
@@ -36,6 +38,7 @@ Scattered eval(const Lobes& lobes, const Interaction& at, const Vec3& direction)
 }
 
 ScatteredRay sample(const Lobes& lobes, const Interaction& at, const Vec2& direction, double choice) {
+  if (at.principled) return sample_principled(lobes, at, direction, choice);
   const double total = total_luminance(lobes);
   if (!(total > 0)) return {};
   double rest = choice * total;

@@ -7,12 +7,16 @@
 
 namespace rayfarm {
 
+struct PrincipledPoint;
+
 /// Where a ray meets a surface.
 struct Interaction {
   Vec3 to_viewer{0};       ///< unit
   Vec3 normal{0};          ///< unit, on the viewer's side
   bool is_front = true;    ///< the viewer is outside
   double index_ratio = 1;  ///< index of refraction behind the surface over that on the viewer's side
+  /// Of a principled material, as it is here; it must outlive this. None: its nearest coefficients do.
+  const PrincipledPoint* principled = nullptr;
 };
 
 /// A part of the scattered light that one distribution describes.
@@ -22,11 +26,15 @@ struct Lobe {
     glossy,   ///< (n + 1) / 2π cosⁿ α about the axis, cut off by the surface
     perfect   ///< along the axis alone
   };
+  /// Which of a principled material's layers it is of: such a lobe is spread by the material, not by its
+  /// exponent.
+  enum class Layer : uint8_t { coat, facets, substrate };
   Spread spread = Spread::diffuse;
   bool is_transmitted = false;
   Vec3 axis{0};  ///< unit
   double exponent = 0;
-  Color attenuation{0};  ///< of all the lobe's light
+  Color attenuation{0};  ///< of all the lobe's light; about, of a principled material's that is not perfect
+  Layer layer = Layer::coat;
 };
 using Lobes = InlineVector<Lobe, 4>;
 

@@ -164,12 +164,22 @@ void shift(Part& part, const ArrayOffsets& o) {
 
 void shift(Material& m, const ArrayOffsets& o) {
   auto& [color, ambient, diffuse, specular, shininess, reflect, transmit, index, kind, priority, texture,
-         bump, emission, interior, reflections, padding, bump_height, exponent, n, k, metal, is_inward, abbe,
-         filter, back, through, diagram, reserved, diagram_axis, diagram_zero, parts] = m;
+         bump, emission, interior, reflections, is_solid, is_pierced, is_unlit, is_no_lamp, bump_height,
+         exponent, n, k, metal, is_inward, abbe, filter, back, through, diagram, principled, diagram_axis,
+         diagram_zero, parts] = m;
   shift(texture, o.textures);
   shift(bump, o.textures);
   shift(diagram, o.goniometric_diagrams);
+  shift(principled, o.principled);
   for (uint32_t& part : parts) shift(part, o.materials);
+}
+
+void shift(PrincipledMaterial& m, const ArrayOffsets& o) {
+  auto& [sources, ior, cutoff, is_one_sided, has_textures] = m;
+  for (PrincipledSource& source : sources) {
+    auto& [factor, texture, channel, u_row, v_row] = source;
+    shift(texture, o.textures);
+  }
 }
 
 /// Of an object's light, which is no luminaire; where it stands is told apart.

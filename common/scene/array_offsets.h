@@ -62,6 +62,7 @@ void shift(LuminaireTriangle& triangle, const ArrayOffsets& offsets);
 void shift(MeshFace& face, const ArrayOffsets& offsets);
 void shift(Part& part, const ArrayOffsets& offsets);
 void shift(Material& material, const ArrayOffsets& offsets);
+void shift(PrincipledMaterial& material, const ArrayOffsets& offsets);
 void shift(Light& light, const ArrayOffsets& offsets);
 
 /// Of the array `name`: where elements are bare numbers, the array tells what they are.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/materials/material.h"
+#include "common/materials/principled.h"
 #include "common/math/affine.h"
 #include "common/memory/large_vector.h"
 #include "common/scene/goniometry.h"
@@ -136,6 +137,8 @@ struct SceneHeader {
   /// Of bounding volumes over the instances that never move, in place of the boxes of fixed_root; kNone: none
   uint32_t object_tree = kNone;
   uint32_t has_last_hit = 0;  ///< 1: rays are first tested with what the last one hit
+  uint32_t has_holes = 0;     ///< 1: a material is pierced
+  uint32_t padding = 0;
   double ray_coherence =
       0;  ///< the half angle of the cones for which candidates are listed, in radians; 0: none
   double environment_turn = 0;  ///< about y, in whole turns

@@ -136,7 +136,7 @@ void check_textures(const Scene& s) {
 void check_materials(const Scene& s) {
   for (size_t i = 0; i < s.materials.size(); ++i) {
     const Material& m = s.materials[i];
-    require(m.kind <= MaterialKind::mix && m.reflections <= Reflections::none, "a material's kind");
+    require(m.kind <= MaterialKind::principled && m.reflections <= Reflections::none, "a material's kind");
     if (m.kind == MaterialKind::mix)  // its parts stand before it, so a chain of mixes always ends
       require(m.texture != kNone && m.parts[0] < i && m.parts[1] < i, "a mix");
     require(std::isfinite(m.exponent) && m.exponent >= 0, "a material's exponent");
@@ -147,8 +147,20 @@ void check_materials(const Scene& s) {
     require((m.texture == kNone || m.texture < s.textures.size()) &&
                 (m.bump == kNone || m.bump < s.textures.size()),
             "a material's texture");
+    require((m.kind == MaterialKind::principled) == (m.principled != kNone) &&
+                (m.principled == kNone || m.principled < s.principled.size()) &&
+                (m.principled != kNone || (!m.is_solid && !m.is_pierced && !m.is_unlit)),
+            "a material's parameters");
     require(m.diagram == kNone || m.diagram < s.goniometric_diagrams.size(), "a material's diagram");
     require(m.metal == kNone || m.metal < conductor_names().size(), "a material's metal");
+  }
+  for (const PrincipledMaterial& m : s.principled) {
+    require(m.ior >= 1e-3 && m.ior <= 1e3 && m.cutoff >= 0 && m.cutoff <= 1, "a principled material");
+    for (const PrincipledSource& source : m.sources)
+      require((source.texture == kNone || source.texture < s.textures.size()) &&
+                  source.channel <= TextureChannel::color && is_finite(source.factor) &&
+                  is_finite(source.u_row) && is_finite(source.v_row),
+              "a principled material's texture");
   }
 }
 

@@ -1,7 +1,6 @@
 #include "common/textures/image_texture.h"
 
 #include "common/image/half_float.h"
-#include "common/image/image_file.h"
 #include "common/image/pixel_format.h"
 
 namespace rayfarm {
@@ -49,10 +48,17 @@ void append_halves(std::span<const Color> row, std::vector<uint16_t>& texels) {
 
 }  // namespace
 
+bool is_linear(const std::string& path, const ImageReading& reading) {
+  using Encoding = ImageReading::Encoding;
+  if (reading.part == ImagePart::alpha) return true;
+  return reading.encoding == Encoding::usual ? holds_linear_light(path)
+                                             : reading.encoding == Encoding::linear;
+}
+
 std::vector<uint16_t> load_texels(const std::string& path, Texture& texture, uint64_t most_pixels,
-                                  const std::stop_token& stop) {
-  ImageReader reader(path, most_pixels);
-  const bool is_linear = holds_linear_light(path);
+                                  const std::stop_token& stop, const ImageReading& reading) {
+  ImageReader reader(path, most_pixels, reading.part);
+  const bool keeps_values = is_linear(path, reading);
   const auto columns = static_cast<size_t>(reader.width_px()), rows = static_cast<size_t>(reader.height_px());
   texture.width_px = static_cast<uint32_t>(columns);
   texture.height_px = static_cast<uint32_t>(rows);
@@ -67,7 +73,7 @@ std::vector<uint16_t> load_texels(const std::string& path, Texture& texture, uin
     for (size_t x = 0; x < columns; ++x)
       for (size_t c = 0; c < 3; ++c) {
         const double value = static_cast<double>(values[3 * x + c]);
-        row[x][static_cast<int>(c)] = is_linear ? value : decode_srgb(value);
+        row[x][static_cast<int>(c)] = keeps_values ? value : decode_srgb(value);
       }
     append_halves(row, texels);
     level.add(row);

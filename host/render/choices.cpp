@@ -234,6 +234,17 @@ std::vector<std::string> name_idle_options(const RenderSettings& s, const SceneD
           "--lighting radiosity: media scatter light straight from sources alone, and do not weaken what "
           "zones send each other; --lighting zonal follows both");
   }
+  if (has_zones(s.lighting)) {
+    if (have([](const Material& m) { return m.kind == MaterialKind::principled; }))
+      notes.emplace_back(
+          "zones, and their pictures, take principled materials by the coefficients nearest to them, with "
+          "lobes "
+          "cosⁿ in place of microfacets; --lighting path shows them as they are");
+    if (have([](const Material& m) { return m.is_pierced != 0; }))
+      notes.emplace_back(
+          "zones get no light through surfaces with opacity, which are whole for them; pictures show what is "
+          "behind");
+  }
   if (has_lighting_tree(s.lighting)) {
     if (s.reflected_rays > 1 && !have([](const Material& m) {
           return m.exponent > 0 && m.reflect + m.transmit > 0 && has_reflected_rays(m);

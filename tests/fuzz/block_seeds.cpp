@@ -39,7 +39,9 @@ std::vector<std::string> block_seeds() {
         .thesis = {.volumes = ThesisVolumes::spheres},
         .ray_coherence = 20},
        {.hierarchy = Hierarchy::adaptive, .max_primitives = 2, .octree_build = OctreeBuild::tracing}}};
-  seeds.push_back(text_of(compile(load_scene(RAYFARM_SOURCE "/tests/golden/scenes/fog.yaml"))));
+  for (const char* scene : {"fog", "principled"})
+    seeds.push_back(
+        text_of(compile(load_scene(fmt::format("{}/tests/golden/scenes/{}.yaml", RAYFARM_SOURCE, scene)))));
   for (const char* scene : {"stage", "bounds"}) {
     const SceneDescription description =
         load_scene(fmt::format("{}/tests/golden/scenes/{}.yaml", RAYFARM_SOURCE, scene));

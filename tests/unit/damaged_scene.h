@@ -37,6 +37,7 @@ materials:
   glass: {dielectric: glass}
   lamp: {luminaire: {emission: 3, ies: lamp.ies}}
   green: {lambertian: {spectrum: [[450, 0.1], [540, 0.8], [600, 0.2]]}}
+  leaf: {principled: {base_color: boards, metallic: {texture: image, channel: b}, opacity: {texture: image, channel: r}, cutoff: 0.5}}
   dusty: {mix: {a: green, b: gold, by: array}}
   dustier: {mix: {a: dusty, b: painted, by: boards}}
 lights: [{position: [2, 3, 4]}, {position: [0, 4, 0], ies: lamp.ies}]

@@ -19,6 +19,7 @@ const char* kMaterials = R"(
   lamp: {luminaire: {emission: 3, ies: lamp.ies}}
   red: {color: {spectrum: [[450, 0.1], [650, 0.9]]}, reflect: 0.1}
   tiles: {mix: {a: red, b: painted, by: cloud}}
+  leaf: {principled: {base_color: boards, metallic: {texture: image, channel: b}, opacity: cloud}}
 )";
 const char* kPair =
     "  pair: [{material: glass, sphere: {center: [0, 0, 0], radius: 0.3}}, {material: lamp, sphere: {center: "
@@ -39,6 +40,7 @@ std::string nodes() {
   - {light: {position: [0, 3, 0], falloff: true}, transform: {translate: {0: [0, 0, 0], 4: [1, 0, 0]}}}
   - {name: bulb, light: {position: [1, 3, 0], ies: lamp.ies}}
   - {light: {position: [-1, 3, 0], color: {spectrum: [[400, 0.3], [500, 0.1], [700, 0.4]]}}}
+  - {material: leaf, cylinder: {base: [2, -2, 1], top: [2, 0, 1], radius: 0.3}}
   - {material: tiles, cylinder: {base: [0, -2, 1], top: [0, 0, 1], radius: 0.3}}
   - structure: {thesis: {volumes: spheres, clip: always, max_primitives: 1}}
     group:

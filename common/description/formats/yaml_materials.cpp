@@ -7,6 +7,7 @@
 
 #include "common/description/formats/ies_loader.h"
 #include "common/description/formats/yaml_mix.h"
+#include "common/description/formats/yaml_principled.h"
 #include "common/description/formats/yaml_spectra.h"
 #include "common/description/formats/yaml_textures.h"
 #include "common/materials/fresnel.h"
@@ -256,6 +257,7 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
     switch (m.kind) {
       case MaterialKind::classical:
       case MaterialKind::mix:
+      case MaterialKind::principled:
         break;
       case MaterialKind::lambertian: {
         m.color = read_albedo(*v, m, SpectralField::color, is_allowed, "its colour");
@@ -279,6 +281,12 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
         break;
     }
     if (m.exponent > 0) m.shininess = m.exponent;
+  }
+  if (const auto v = map.find("principled")) {
+    if (m.kind != MaterialKind::classical) v->fail("a material is of one family only");
+    map.refuse("texture", "a principled material names textures inside: `base_color: NAME`");
+    map.refuse("bump", "a principled material names a map of normals inside: `normal: NAME`");
+    read_principled(*v, m, scene);
   }
   if (auto texture = map.find("texture")) m.texture = find_texture(*texture, scene.textures);
   if (auto v = map.find("bump")) {

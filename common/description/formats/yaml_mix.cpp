@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include "common/description/formats/yaml_textures.h"
+#include "common/materials/scattering.h"
 
 namespace rayfarm {
 namespace {
@@ -13,7 +14,7 @@ void find_dielectrics(const std::vector<MaterialDescription>& materials, uint32_
   const MaterialDescription& m = materials[material];
   if (m.kind == MaterialKind::mix)
     for (const uint32_t part : m.parts) find_dielectrics(materials, part, found);
-  if (m.kind == MaterialKind::dielectric && std::find(found.begin(), found.end(), material) == found.end())
+  if (has_inside(m) && std::find(found.begin(), found.end(), material) == found.end())
     found.push_back(material);
 }
 
@@ -23,6 +24,14 @@ uint32_t find_part(const YamlValue& value, const SceneDescription& scene) {
   for (uint32_t i = 1; i < scene.materials.size(); ++i) {
     names.push_back(scene.materials[i].name);
     if (names.back() != name) continue;
+    if (scene.materials[i].is_pierced)
+      value.fail(fmt::format(
+          "'{}' has opacity or one side only, which can't be mixed: a mix decides what is there, not "
+          "whether anything is; give surfaces with holes a material of their own",
+          name));
+    if (scene.materials[i].kind == MaterialKind::principled && is_luminaire(scene.materials[i]))
+      value.fail(fmt::format(
+          "'{}' shines, and what shines can't be mixed: a lamp shines all over its surface", name));
     if (scene.materials[i].kind == MaterialKind::luminaire)
       value.fail(
           fmt::format("'{}' is a luminaire, which can't be mixed: a lamp shines all over its surface; "

@@ -12,10 +12,11 @@ namespace {
 
 /// The image that `file` names.
 void read_image_of(YamlMap& map, const std::string& folder, TextureDescription& texture,
-                   SceneDescription& scene) {
+                   SceneDescription& scene, const ImageReading& reading = {}) {
   const YamlValue file = map.require("file");
   try {
-    load_scene_image(scene, (std::filesystem::path(folder) / file.text()).string(), texture, file.stop());
+    load_scene_image(scene, (std::filesystem::path(folder) / file.text()).string(), texture, file.stop(),
+                     reading);
   } catch (const IoError& e) {
     file.fail(e.what());
   }
@@ -93,7 +94,14 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
       v->fail("a texture's scale must be above 0");
   }
   if (texture.kind == TextureKind::image) {
-    read_image_of(map, folder, texture, scene);
+    ImageReading reading;
+    const auto encoding = map.find("encoding");
+    if (encoding)
+      reading.encoding = static_cast<ImageReading::Encoding>(1 + encoding->choice({"srgb", "linear"}));
+    if (auto v = map.find("part")) reading.part = static_cast<ImagePart>(v->choice({"color", "alpha"}));
+    if (reading.part == ImagePart::alpha && reading.encoding == ImageReading::Encoding::srgb)
+      encoding->fail("alpha is no light: its numbers are always taken as they stand");
+    read_image_of(map, folder, texture, scene, reading);
     map.finish();
     return texture;
   }

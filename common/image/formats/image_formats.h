@@ -15,10 +15,14 @@ class ImageSource {
   int width_px = 0, height_px = 0;
   int rows_at_once = 1;  ///< what `read_rows` wants, but for the last rows
 
-  /// Reads the first three channels of `count` rows from `y` on: count × width × 3, row-major. Rows are read
-  /// once each, from the top. Returns what went wrong, or nothing.
+  /// Reads `count` rows from `y` on: count × width × 3, row-major. Rows are read once each, from the top.
+  /// Returns what went wrong, or nothing.
   virtual std::string read_rows(int y, int count, float* rgb) = 0;
 };
+
+/// What is read of an image: its first three channels, of a grey one thrice the first; or thrice its alpha.
+/// Colours are not weighed by alpha, but where the format says that its file's are (EXR).
+enum class ImagePart { color, alpha };
 
 struct OpenedImage {
   std::unique_ptr<ImageSource> source;
@@ -28,7 +32,8 @@ struct OpenedImage {
 /// Opens what `descriptor` has open, which must stay open. `name`: of the file, whose extension says which
 /// format is likely. A file that claims more pixels than `most_pixels` is refused, where its format allows it
 /// before they are decoded.
-using OpenImageFunction = OpenedImage(int descriptor, const std::string& name, uint64_t most_pixels);
+using OpenImageFunction = OpenedImage(int descriptor, const std::string& name, uint64_t most_pixels,
+                                      ImagePart part);
 
 /// The module's one symbol, an OpenImageFunction.
 inline constexpr const char* kOpenImageSymbol = "rayfarm_open_image";

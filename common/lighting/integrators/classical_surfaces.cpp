@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "common/lighting/glass_shadows.h"
+#include "common/lighting/holes.h"
 #include "common/lighting/integrators/gouraud.h"
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/participating_media.h"
@@ -178,6 +179,20 @@ uint32_t lit_through_glass(const FrameContext& context, const ClassicalSurfaces&
   return lit;
 }
 
+/// Lets light through surfaces that are not there.
+void light_holes(const FrameContext& context, const ClassicalSurfaces& surfaces, uint32_t& blocked,
+                 Incoming& in) {
+  for_each_lane(blocked, [&](size_t i) {
+    Media media = media_before(surfaces, i);
+    const bool is_aware = is_by_medium(context);
+    if (is_aware) leave(context.scene, surfaces.at[i], in.shadow_rays.direction(i), media);
+    const double left = light_through_holes(context, in.shadow_rays[i], is_aware ? &media : nullptr);
+    if (!(left > 0)) return;
+    set_lane(in.light, i, left * lane_of(in.light, i));
+    blocked &= ~(1u << i);
+  });
+}
+
 /// Weakens light by the media that stand in boxes on its way.
 void weaken_in_media(const FrameContext& context, uint32_t lit, Incoming& in) {
   for_each_lane(lit, [&](size_t i) {
@@ -204,15 +219,18 @@ uint32_t where(uint32_t among, Condition condition) {
 
 }  // namespace
 
-const Material* ClassicalSurfaces::apply_textures(const FrameContext& context, size_t i, double width) {
+void ClassicalSurfaces::apply_textures(const FrameContext& context, size_t i, double width) {
   const double choice = context.scene.materials[at.material[i]].kind == MaterialKind::mix
                             ? context.tables.sampler.point(*ids[i], dimension::of_mix(streams[i])).x
                             : 0;
   Surface surface = at[i];
-  set_lane(color, i,
-           textured(context.scene, context.pose, (*rays)[i], hits[i], width, choice, surface).color);
+  const Material material =
+      textured(context.scene, context.pose, (*rays)[i], hits[i], width, choice, surface);
+  set_lane(color, i, material.color);
+  set_lane(glow, i, material.emission);
   at.set(i, surface);
-  return &context.scene.materials[surface.material];
+  set_material(i, material);
+  materials[i] = &context.scene.materials[surface.material];
 }
 
 void add_direct_light(const FrameContext& context, const Highlights& highlights, ClassicalSurfaces& surfaces,
@@ -235,9 +253,10 @@ void add_direct_light(const FrameContext& context, const Highlights& highlights,
     const uint32_t facing = HWY_DYNAMIC_DISPATCH(face_light)(surfaces.at, in) & wanted;
     if (!facing) continue;
     counts[RayKind::shadow] += static_cast<uint64_t>(std::popcount(facing));
-    const uint32_t blocked = is_by_medium(context)
-                                 ? find_really_blocked(context, surfaces, in.shadow_rays, facing)
-                                 : find_blocked(context, number, in.shadow_rays, facing, counts);
+    uint32_t blocked = is_by_medium(context) ? find_really_blocked(context, surfaces, in.shadow_rays, facing)
+                                             : find_blocked(context, number, in.shadow_rays, facing, counts);
+    if (has_holes(context) && !is_glass_crossed) [[unlikely]]
+      light_holes(context, surfaces, blocked, in);
     const uint32_t lit =
         is_glass_crossed ? lit_through_glass(context, surfaces, facing, blocked, in) : facing & ~blocked;
     if (!lit) continue;

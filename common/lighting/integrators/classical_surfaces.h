@@ -31,6 +31,7 @@ struct ClassicalSurfaces {
   alignas(64) double specular_share[kMostPacketRays];
   alignas(64) double shininess[kMostPacketRays];
   alignas(64) VectorLanes color;     ///< the materials', textured
+  alignas(64) VectorLanes glow;      ///< what principled ones emit, textured
   alignas(64) VectorLanes diffuse;   ///< light that takes the surface's colour
   alignas(64) VectorLanes specular;  ///< light that does not
   const SampleId* ids[kMostPacketRays];
@@ -45,10 +46,8 @@ struct ClassicalSurfaces {
     streams[i] = stream;
     media[i] = through;
     const Material* material = &context.scene.materials[at.material[i]];
-    if (is_textured(*material))
-      material = apply_textures(context, i, width);
-    else
-      set_lane(color, i, material->color);
+    if (is_textured(*material)) return apply_textures(context, i, width);
+    set_lane(color, i, material->color);
     set_material(i, *material);
   }
   /// The same for a surface that is as number `other` of others.
@@ -58,6 +57,11 @@ struct ClassicalSurfaces {
     media[i] = others.media[other];
     set_lane(color, i, lane_of(others.color, other));
     set_material(i, *others.materials[other]);
+    if (materials[i]->kind != MaterialKind::principled) return;
+    set_lane(glow, i, lane_of(others.glow, other));
+    diffuse_share[i] = others.diffuse_share[other];
+    specular_share[i] = others.specular_share[other];
+    shininess[i] = others.shininess[other];
   }
 
   Vec3 direction(size_t i) const { return rays->direction(i); }
@@ -68,6 +72,8 @@ struct ClassicalSurfaces {
   }
   bool has_secondary_rays(size_t i) const { return has_reflection(i) || materials[i]->transmit > 0; }
   Color emission(const FrameContext& context, size_t i) const {
+    if (materials[i]->kind == MaterialKind::principled)
+      return at.is_front(i) || materials[i]->is_unlit ? lane_of(glow, i) : Color(0);
     return emission_at(context.scene, context.pose, hits[i].instance, *materials[i], interaction(i));
   }
   void add_specular(size_t i, const Color& more) { set_lane(specular, i, lane_of(specular, i) + more); }
@@ -93,7 +99,7 @@ struct ClassicalSurfaces {
     set_lane(diffuse, i, Color(0));
     set_lane(specular, i, Color(0));
   }
-  const Material* apply_textures(const FrameContext& context, size_t i, double width);
+  void apply_textures(const FrameContext& context, size_t i, double width);
 };
 
 /// How sources show in surfaces.

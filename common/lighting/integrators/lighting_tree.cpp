@@ -1,5 +1,6 @@
 #include "common/lighting/integrators/lighting_tree.h"
 
+#include "common/lighting/holes.h"
 #include "common/lighting/lobe_rays.h"
 
 namespace rayfarm {
@@ -35,6 +36,17 @@ SecondaryRays secondary_rays(const ClassicalSurfaces& surfaces, size_t i, const 
     }
   }
   return rays;
+}
+
+void pass_holes(const FrameContext& context, const RayPacket& rays, const OfPacket<Branch>& branches,
+                Hit* hits) {
+  for (size_t i = 0; i < rays.size; ++i) {
+    const Branch& branch = branches[i];
+    hits[i] = next_solid_hit(context, rays[i],
+                             {branch.id, branch.stream, branch.width, branch.spread,
+                              is_by_medium(context) ? &branch.media : nullptr},
+                             hits[i]);
+  }
 }
 
 OfPacket<Branch>& LightingTree::plant(const FrameContext& context, std::span<const SampleId> ids,
@@ -100,7 +112,7 @@ void LightingTree::grow_secondary(const FrameContext& context, uint32_t fork, co
   forks_[fork].pending += (rays.transmitted_rays > 0 ? 1 : 0) + (rays.reflected_rays > 0 ? 1 : 0);
   if (rays.transmitted_rays > 0) {
     const bool is_lit_through = context.tables.settings.glass_shadows != GlassShadows::blocked;
-    const bool is_crossed = surfaces.materials[i]->kind == MaterialKind::dielectric && !is_by_medium(context);
+    const bool is_crossed = has_inside(*surfaces.materials[i]) && !is_by_medium(context);
     grow_lobe(context, {Receiver::Kind::transmitted, fork}, from, surfaces, i,
               {rays.transmitted_rays, rays.transmitted,
                rays.transmit / static_cast<double>(rays.transmitted_rays), kTransmitted},

@@ -80,6 +80,10 @@ inline MediaOfRays media_of(const OfPacket<Branch>& branches) {
   return media;
 }
 
+/// Puts the closest hits that are no holes in the place of `hits`.
+void pass_holes(const FrameContext& context, const RayPacket& rays, const OfPacket<Branch>& branches,
+                Hit* hits);
+
 /// Rays of one depth to trace.
 struct Batch {
   uint32_t depth;

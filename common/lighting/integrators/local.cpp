@@ -1,6 +1,7 @@
 // The models of Phong (Equation 2.4) and of Torrance and Sparrow (thesis 2.2.3): light that comes from the
 // sources straight away, and no other.
 #include "common/lighting/environment.h"
+#include "common/lighting/holes.h"
 #include "common/lighting/integrators/classical_surfaces.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/item_buffers.h"
@@ -18,14 +19,18 @@ class LocalIntegrator : public Integrator {
   size_t follow(const FrameContext& context, const RayPacket& rays, std::span<const SampleId> ids,
                 RayCounts& counts, Color* colors) override {
     counts[RayTally::tree_depth] += rays.size;
+    const Media in = context.eye_media ? *context.eye_media : Media();
     OfPacket<Hit> hits;
     find_eye_hits(context, rays, hits.data());
     if (is_by_medium(context)) [[unlikely]] {
-      const Media none{};
       MediaOfRays media;
-      media.fill(context.eye_media ? context.eye_media : &none);
+      media.fill(&in);
       keep_real_hits(context, rays, media, hits.data());
     }
+    if (has_holes(context)) [[unlikely]]
+      for (size_t i = 0; i < rays.size; ++i)
+        hits[i] = next_solid_hit(
+            context, rays[i], {ids[i], 0, 0, context.spread, is_by_medium(context) ? &in : nullptr}, hits[i]);
     ClassicalSurfaces surfaces(context, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       if (!hits[i].is_hit()) {

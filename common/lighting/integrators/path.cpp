@@ -3,6 +3,7 @@
 // reference for the other lighting models. Ambient light, their stand-in for what paths find, is left out.
 #include <bit>
 
+#include "common/lighting/holes.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/integrators/path_tracer.h"
 #include "common/lighting/item_buffers.h"
@@ -42,6 +43,8 @@ void PathTracer::step() {
     closest_hits(scene_, pose_, lanes_.rays, hits.data());
   if (is_by_medium_) [[unlikely]]
     keep_real(hits.data());
+  if (has_holes(context_)) [[unlikely]]
+    pass_holes(hits.data());
   lanes_.clear_sets();
   shadows_.rays.clear();
   LaneSet together = 0, go_on = 0, met = 0;
@@ -79,11 +82,31 @@ void PathTracer::step() {
 void PathTracer::add_unblocked(ShadowLanes& shadows) {
   if (shadows.rays.empty()) return;
   counts_[RayKind::shadow] += shadows.rays.size;
-  const uint32_t blocked =
-      is_by_medium_ ? find_really_blocked(shadows) : any_hits(scene_, pose_, shadows.rays);
+  uint32_t blocked = is_by_medium_ ? find_really_blocked(shadows) : any_hits(scene_, pose_, shadows.rays);
+  if (has_holes(context_)) [[unlikely]]
+    light_holes(blocked, shadows);
   if (has_media_) weaken_in_media(stage(), blocked, shadows);
   for (size_t i = 0; i < shadows.rays.size; ++i)
     if (!(blocked >> i & 1)) colors_[shadows.places[i]] += lane_of(shadows.colors, i);
+}
+
+void PathTracer::pass_holes(Hit* hits) {
+  for (size_t i = 0; i < lanes_.rays.size; ++i) {
+    const Path& path = paths_[lanes_.places[i]];
+    hits[i] = next_solid_hit(
+        context_, lanes_.rays[i],
+        {path.id, depth_ << 8, path.width, path.spread, is_by_medium_ ? &path.media : nullptr}, hits[i]);
+  }
+}
+
+void PathTracer::light_holes(uint32_t& blocked, ShadowLanes& shadows) const {
+  for_each_lane(blocked, [&](size_t i) {
+    const double left = light_through_holes(context_, shadows.rays[i],
+                                            is_by_medium_ ? &shadow_media_[shadows.places[i]] : nullptr);
+    if (!(left > 0)) return;
+    set_lane(shadows.colors, i, left * lane_of(shadows.colors, i));
+    blocked &= ~(1u << i);
+  });
 }
 
 bool PathTracer::visit_alone(size_t lane, const Hit& hit) {

@@ -53,6 +53,7 @@ bool PathLanes::set_material(const Scene& scene, size_t lane, const Media& media
     case MaterialKind::translucent:
     case MaterialKind::luminaire:
     case MaterialKind::mix:
+    case MaterialKind::principled:
       return false;
   }
   return true;

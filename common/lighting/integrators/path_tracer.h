@@ -66,6 +66,10 @@ class PathTracer {
   /// Rays know what they are in, and so do the shadow rays of this step.
   [[gnu::noinline]] void keep_real(Hit* hits);
 
+  /// Rays go on through surfaces that are not there, and light comes through them.
+  [[gnu::noinline]] void pass_holes(Hit* hits);
+  [[gnu::noinline]] void light_holes(uint32_t& blocked, ShadowLanes& shadows) const;
+
   [[gnu::noinline]] uint32_t find_really_blocked(const ShadowLanes& shadows) const;
 
   /// A path's step by itself.

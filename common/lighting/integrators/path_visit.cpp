@@ -18,18 +18,20 @@ bool PathTracer::visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
   if (path.depth == 1) ++eye_hits_;
   path.width += hit.t * path.spread;
   Material with_texture;
+  PrincipledPoint point_there;
   const Material* chosen = &scene_.materials[surface.material];
   if (is_textured(*chosen)) {
     const double choice =
         chosen->kind == MaterialKind::mix ? sampler_.point(path.id, dimension::of_mix(path.depth << 8)).x : 0;
-    with_texture = textured(scene_, pose_, ray, hit, path.width, choice, surface);
+    with_texture = textured(scene_, pose_, ray, hit, path.width, choice, surface, point_there);
     chosen = &with_texture;
   }
   const Material& material = *chosen;
   if (!path.media.is_in_air()) path.throughput *= path.media.transmittance(scene_, hit.t);
 
   Interaction at = interaction_at(surface, ray.direction, material);
-  const bool is_dielectric = material.kind == MaterialKind::dielectric;
+  if (material.kind == MaterialKind::principled && !context_.zones) at.principled = &point_there;
+  const bool is_dielectric = has_inside(material);
   if (is_dielectric) {
     const Media::Crossing crossing = path.media.meet(scene_, surface.material, surface.is_front);
     if (!crossing.is_real) {
@@ -140,6 +142,10 @@ void PathTracer::add_direct_light(const Path& path, const Surface& surface, cons
   if (&followed != &lobes)
     color += path.throughput * (scattered.value - shared.value) * sample.incident / probability;
   const Vec3 origin = surface.ray_origin(sample.to_light);
+  if (shadows_.rays.is_full()) {  // where zones keep some lobes, a path asks for light twice
+    add_unblocked(shadows_);
+    shadows_.rays.clear();
+  }
   if (is_by_medium_) [[unlikely]]
     leave(scene_, surface, sample.to_light, shadow_media_[path.place]);
   shadows_.push_back(origin, sample.target - origin, color, path.place);

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "common/lighting/environment.h"
+#include "common/lighting/holes.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/integrators/lighting_tree.h"
 #include "common/lighting/item_buffers.h"
@@ -110,6 +111,8 @@ class ThesisTracer {
       closest_hits(scene_, context_.pose, rays, hits.data());
     if (is_by_medium(context_)) [[unlikely]]
       keep_real_hits(context_, rays, media_of(branches), hits.data());
+    if (has_holes(context_)) [[unlikely]]
+      pass_holes(context_, rays, branches, hits.data());
     ClassicalSurfaces surfaces(context_, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       Branch& branch = branches[i];

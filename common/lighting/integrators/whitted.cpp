@@ -1,5 +1,6 @@
 // Whitted's model (Equation 2.12): Phong's terms, and light along the mirrored and the refracted ray.
 #include "common/lighting/environment.h"
+#include "common/lighting/holes.h"
 #include "common/lighting/integrators/integrator.h"
 #include "common/lighting/integrators/lighting_tree.h"
 #include "common/lighting/item_buffers.h"
@@ -31,6 +32,8 @@ class WhittedIntegrator : public Integrator {
       closest_hits(context.scene, context.pose, rays, hits.data());
     if (is_by_medium(context)) [[unlikely]]
       keep_real_hits(context, rays, media_of(branches), hits.data());
+    if (has_holes(context)) [[unlikely]]
+      pass_holes(context, rays, branches, hits.data());
     ClassicalSurfaces surfaces(context, rays, hits.data());
     for (size_t i = 0; i < rays.size; ++i) {
       Branch& branch = branches[i];

@@ -15,8 +15,7 @@ Lobes followed_lobes(const ZoneGrid* grid, const Material& material, const Inter
         (lobe.spread == Lobe::Spread::diffuse ? has_diffuse_rays(material) : has_reflected_rays(material));
     if (!is_allowed || lobe.attenuation == Color(0)) continue;
     Lobe& power = followed.push_back(lobe);
-    if (lobe.is_transmitted && material.kind == MaterialKind::dielectric)
-      power.attenuation *= at.index_ratio * at.index_ratio;
+    if (lobe.is_transmitted && has_inside(material)) power.attenuation *= at.index_ratio * at.index_ratio;
   }
   return followed;
 }
@@ -108,7 +107,7 @@ bool PowerTracer::meet(PowerRay& ray, const Hit& hit) {
     material = &with_texture;
   }
   Interaction at = interaction_at(surface, ray.ray.direction, *material);
-  if (material->kind == MaterialKind::dielectric) {
+  if (has_inside(*material)) {
     const Media::Crossing crossing = ray.media.meet(scene_, surface.material, surface.is_front);
     if (!crossing.is_real) {
       ray.media.cross(surface.material, surface.is_front);
@@ -166,8 +165,7 @@ bool PowerTracer::follow(PowerRay& ray, const Surface& surface, const Interactio
     return false;
   left = scaled(left, next.weight);
   if (left.is_zero()) return false;
-  if (next.is_transmitted && material.kind == MaterialKind::dielectric)
-    ray.media.cross(surface.material, surface.is_front);
+  if (next.is_transmitted && has_inside(material)) ray.media.cross(surface.material, surface.is_front);
   ++counts_[next.is_transmitted ? RayKind::transmitted : RayKind::reflected];
   ++ray.depth;
   ray.is_direct = false;

@@ -115,7 +115,7 @@ class ZonalTracer : public ZoneTracer {
           ray.power = head_.quantum.quantized(arrival.power * next.weight);
           ray.id = id;
           ray.depth = 2;
-          if (next.is_transmitted && lit.material.kind == MaterialKind::dielectric)
+          if (next.is_transmitted && has_inside(lit.material))
             ray.media.cross(lit.surface.material, lit.surface.is_front);
           if (!ray.power.is_zero()) tracer.send(ray);
         });

@@ -13,6 +13,7 @@ constexpr uint32_t kPoints = 4;
 ZoneAlbedo albedo_of(const Material& m) {
   switch (m.kind) {
     case MaterialKind::classical:
+    case MaterialKind::principled:
       return {{m.diffuse * m.color, m.diffuse * m.color}, Color(0)};
     case MaterialKind::lambertian:
     case MaterialKind::luminaire:
