@@ -85,9 +85,10 @@ class PathTracer {
     return path.is_gathering || context_.zones->view() != ZoneView::gather;
   }
 
-  /// Adds what zones keep, and leaves the lobes that they do not.
-  void take_from_zones(const Path& path, const Hit& hit, const Surface& surface, const Interaction& at,
-                       Lobes& lobes);
+  /// Adds what zones keep, and leaves the lobes that they do not. Returns those that they do where what
+  /// comes straight from sources is still to be asked for.
+  Lobes take_from_zones(const Path& path, const Hit& hit, const Surface& surface, const Interaction& at,
+                        Lobes& lobes);
 
   /// Light that has been reflected or transmitted as often as is allowed goes on by the other lobes alone. So
   /// what a shadow ray finds is limited as what the path itself finds.

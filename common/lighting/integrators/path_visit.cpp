@@ -43,18 +43,26 @@ bool PathTracer::visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
   add_emission(path, ray, hit, surface, material, at);
   Lobes lobes;
   scatter(material, at, lobes);
-  if (context_.zones && ends_at_zones(path)) take_from_zones(path, hit, surface, at, lobes);
-  if (path.depth >= settings_.max_depth) return false;
+  Lobes kept;
+  if (context_.zones && ends_at_zones(path)) kept = take_from_zones(path, hit, surface, at, lobes);
+  const bool is_last = path.depth >= settings_.max_depth;
+  if (is_last) {
+    if (kept.empty()) return false;
+    lobes = Lobes();
+  }
   keep_allowed(path, lobes);
-  if (has_diffuse_rays(material)) {
+  if (has_diffuse_rays(material) && kept.empty()) {
     add_direct_light(path, surface, at, lobes, lobes);
-  } else {
-    Lobes followed;
-    for (const Lobe& lobe : lobes)
-      if (is_followed(material, lobe)) followed.push_back(lobe);
-    add_direct_light(path, surface, at, lobes, followed);
+  } else {  // in one shadow ray: a step has room for one of each path
+    Lobes followed, asked = kept;
+    for (const Lobe& lobe : lobes) {
+      asked.push_back(lobe);
+      if (has_diffuse_rays(material) || is_followed(material, lobe)) followed.push_back(lobe);
+    }
+    add_direct_light(path, surface, at, asked, followed);
     lobes = followed;
   }
+  if (is_last) return false;
   // Points are made only where they are asked for.
   const bool is_risky = path.depth >= kFirstRoulette;
   const Vec2 lobe = lobes.size() > 1 || is_risky ? point(path, dimension::kLobe) : Vec2(0);
@@ -78,15 +86,15 @@ bool PathTracer::visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
   return true;
 }
 
-void PathTracer::take_from_zones(const Path& path, const Hit& hit, const Surface& surface,
-                                 const Interaction& at, Lobes& lobes) {
+Lobes PathTracer::take_from_zones(const Path& path, const Hit& hit, const Surface& surface,
+                                  const Interaction& at, Lobes& lobes) {
   const ZoneGrid* const grid = context_.zones->grid_of(hit);
-  if (!grid) return;
+  if (!grid) return {};
   colors_[path.place] += path.throughput * context_.zones->radiance(pose_, *grid, hit, surface, at, lobes);
   Lobes kept, others;
   for (const Lobe& lobe : lobes) (is_kept(*grid, lobe) ? kept : others).push_back(lobe);
-  if (context_.zones->view() == ZoneView::direct) add_direct_light(path, surface, at, kept, Lobes());
   lobes = others;
+  return context_.zones->view() == ZoneView::direct ? kept : Lobes();
 }
 
 void PathTracer::keep_allowed(const Path& path, Lobes& lobes) const {
