@@ -36,6 +36,7 @@ FarmOfZones run_farm(const ZoneWork& work, const RunRender& render, int nodes, u
   job.output = work.scratch("farm.exr").string();
   job.stats = work.scratch("farm.json").string();
   job.zones_file = work.scratch(fmt::format("farm-{}-{}.zones", nodes, batch)).string();
+  std::filesystem::remove(job.zones_file);
   job.size_px = {16, 16};
   job.settings = zone_experiment_settings(LightingModel::zonal, 1);
   job.max_depth = kPathDepth;
