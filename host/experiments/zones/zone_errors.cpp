@@ -109,7 +109,7 @@ ZoneStudy study_zone_errors(const ZoneWork& work) {
     RenderSettings settings = zone_experiment_settings(LightingModel::zonal, 1);
     settings.zones.size = kSizeOfMeans;
     settings.zones.rays = work.rays(kRaysOfSizes);
-    settings.zones.samples = 256;
+    settings.zones.samples = work.samples(4096);
     const MeansOfZones means = compare_zone_means(scene.scene(), settings, work.rays(kSamplesOfMeans));
     study.checks.push_back({fmt::format("{}: means of {} zones {:.2g} wide", name, means.zones, kSizeOfMeans),
                             "1 % RMS of `path`",

@@ -14,19 +14,18 @@ namespace {
 constexpr ZoneView kViews[] = {ZoneView::smooth, ZoneView::direct, ZoneView::gather};
 constexpr double kSamples = 64, kReferenceSamples = 1024;
 
-/// A picture that shows what directional zones are all over, and nothing else: others are dark.
-FloatPicture masked(const PicturedScene& scene, const ZoneScene& zones, const FloatPicture& picture) {
+/// Where a picture shows directional zones.
+CountedPixels find_directional(const PicturedScene& scene, const ZoneScene& zones) {
   const int width = scene.width_px(), height = scene.height_px();
   const Camera camera = make_camera(scene.scene(), 0, width, height);
-  FloatPicture result = picture;
+  CountedPixels counted;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Hit hit = closest_hit(zones.scene(0), zones.pose(), camera.ray(x + 0.5, y + 0.5));
       const ZoneGrid* const grid = hit.is_hit() ? zones.map().grid_of(hit) : nullptr;
-      if (grid && grid->store.direction_cells > 0) continue;
-      for (int c = 0; c < 3; ++c) result.values[static_cast<size_t>((y * width + x) * 3 + c)] = 0;
+      counted.push_back(grid && grid->store.direction_cells > 0);
     }
-  return result;
+  return counted;
 }
 
 struct Figure {
@@ -75,26 +74,21 @@ ZoneStudy study_zone_figures(const ZoneWork& work) {
     settings.zones.rays = work.rays(settings.zones.rays);
     if (work.size(1) > 1) settings.zones.size = work.size(0.1);
     const ZoneScene zones(scene.scene(), settings, 0);
-    PathReference reference = make_path_reference(scene, work.samples(kReferenceSamples));
-    const double whole_mean = reference.mean;
-    if (figure.is_of_directions) {
-      reference.picture = masked(scene, zones, reference.picture);
-      reference.mean = mean_of(reference.picture);
-    }
-    const double noise = reference.block_noise * whole_mean / reference.mean;
+    const PathReference reference =
+        make_path_reference(scene, work.samples(kReferenceSamples), 0,
+                            figure.is_of_directions ? find_directional(scene, zones) : CountedPixels());
     const SolvedZoneLight solved = solve_zone_light(scene.scene(), settings);
     double best = INFINITY;
     std::string best_view;
     for (const ZoneView view : kViews) {
       settings.zones.view = view;
       const double before = cpu_time();
-      FloatPicture picture = scene.render(settings, 0, solved.bytes);
+      const FloatPicture picture = scene.render(settings, 0, solved.bytes);
       const double cpu_s = cpu_time() - before;
-      if (figure.is_of_directions) picture = masked(scene, zones, picture);
       const double error = picture_error(scene, picture, reference).blocks;
       const std::string word = kZoneViewWords[static_cast<size_t>(view)];
-      table.rows.push_back(
-          {std::string(figure.name), std::string(figure.file), word, error, noise, solved.cpu_s, cpu_s});
+      table.rows.push_back({std::string(figure.name), std::string(figure.file), word, error,
+                            reference.block_noise, solved.cpu_s, cpu_s});
       if (error < best) {
         best = error;
         best_view = word;

@@ -20,26 +20,43 @@ namespace {
 constexpr int kBlock_px = 16;
 constexpr uint64_t kReferenceSeed = 1'000'000;
 
-/// RMS of the differences of blocks' means; parts of blocks at the right and the bottom do not count, unless
-/// there is nothing else.
-double block_rms(const FloatPicture& a, const FloatPicture& b, int width_px, int height_px) {
-  const int side = std::min({kBlock_px, width_px, height_px});
+/// RMS of the differences of blocks' means over pixels that count; blocks of which less than a half do, and
+/// parts of blocks at the right and the bottom, don't.
+double block_rms(const FloatPicture& a, const FloatPicture& b, const PicturedScene& scene,
+                 const CountedPixels& counted) {
+  const int width = scene.width_px(), height = scene.height_px(), side = std::min({kBlock_px, width, height});
   double squares = 0;
   int blocks = 0;
-  for (int y0 = 0; y0 + side <= height_px; y0 += side)
-    for (int x0 = 0; x0 + side <= width_px; x0 += side)
-      for (int channel = 0; channel < 3; ++channel) {
-        double sum = 0;
-        for (int y = y0; y < y0 + side; ++y)
-          for (int x = x0; x < x0 + side; ++x) {
-            const auto i = static_cast<size_t>((y * width_px + x) * 3 + channel);
-            sum += double{a.values[i]} - double{b.values[i]};
+  for (int y0 = 0; y0 + side <= height; y0 += side)
+    for (int x0 = 0; x0 + side <= width; x0 += side) {
+      Color sum(0);
+      int pixels = 0;
+      for (int y = y0; y < y0 + side; ++y)
+        for (int x = x0; x < x0 + side; ++x) {
+          const auto pixel = static_cast<size_t>(y * width + x);
+          if (!counted.empty() && !counted[pixel]) continue;
+          ++pixels;
+          for (int c = 0; c < 3; ++c) {
+            const size_t i = 3 * pixel + static_cast<size_t>(c);
+            sum[c] += double{a.values[i]} - double{b.values[i]};
           }
-        const double mean = sum / (side * side);
-        squares += mean * mean;
-        ++blocks;
-      }
-  return std::sqrt(squares / blocks);
+        }
+      if (2 * pixels < side * side) continue;
+      squares += glm::dot(sum, sum) / (3.0 * pixels * pixels);
+      ++blocks;
+    }
+  return blocks > 0 ? std::sqrt(squares / blocks) : 0;
+}
+
+/// Of all channels of the pixels that count.
+double mean_of(const FloatPicture& picture, const CountedPixels& counted) {
+  double sum = 0, values = 0;
+  for (size_t i = 0; i < picture.values.size(); ++i) {
+    if (!counted.empty() && !counted[i / 3]) continue;
+    sum += double{picture.values[i]};
+    ++values;
+  }
+  return values > 0 ? sum / values : 1;
 }
 
 }  // namespace
@@ -133,18 +150,20 @@ RenderSettings zone_experiment_settings(LightingModel model, uint32_t samples) {
   return settings;
 }
 
-PathReference make_path_reference(const PicturedScene& scene, uint32_t samples, int frame) {
+PathReference make_path_reference(const PicturedScene& scene, uint32_t samples, int frame,
+                                  const CountedPixels& counted) {
   RenderSettings settings = zone_experiment_settings(LightingModel::path, std::max(1u, samples / 2));
   settings.seed = kReferenceSeed;
   PathReference reference;
+  reference.counted = counted;
   reference.picture = scene.render(settings, frame);
   settings.seed = kReferenceSeed + 1;
   const FloatPicture other = scene.render(settings, frame);
   const double of_pixels = difference(reference.picture, other).rms / 2,
-               of_blocks = block_rms(reference.picture, other, scene.width_px(), scene.height_px()) / 2;
+               of_blocks = block_rms(reference.picture, other, scene, counted) / 2;
   for (size_t i = 0; i < other.values.size(); ++i)
     reference.picture.values[i] = (reference.picture.values[i] + other.values[i]) / 2;
-  reference.mean = mean_of(reference.picture);
+  reference.mean = mean_of(reference.picture, counted);
   reference.pixel_noise = of_pixels / reference.mean;
   reference.block_noise = of_blocks / reference.mean;
   return reference;
@@ -152,18 +171,12 @@ PathReference make_path_reference(const PicturedScene& scene, uint32_t samples, 
 
 PictureError picture_error(const PicturedScene& scene, const FloatPicture& picture,
                            const PathReference& reference) {
-  return {block_rms(picture, reference.picture, scene.width_px(), scene.height_px()) / reference.mean,
+  return {block_rms(picture, reference.picture, scene, reference.counted) / reference.mean,
           difference(picture, reference.picture).rms / reference.mean};
 }
 
 void tell_zones(const std::string& what) {
   fmt::print(stderr, "zones: {}\n", what);
-}
-
-double mean_of(const FloatPicture& picture) {
-  double sum = 0;
-  for (const float value : picture.values) sum += double{value};
-  return sum / static_cast<double>(picture.values.size());
 }
 
 std::string percent(double part) {

@@ -79,14 +79,19 @@ SolvedZoneLight solve_zone_light(const Scene& scene, const RenderSettings& setti
 /// Of `path` and of zones, the depth as long as `path` has it.
 RenderSettings zone_experiment_settings(LightingModel model, uint32_t samples);
 
+/// By pixel: whether it counts among blocks. Empty: all do.
+using CountedPixels = std::vector<bool>;
+
 /// A picture by `path` that others are compared with: the mean of two with seeds of their own, which tell its
 /// own noise.
 struct PathReference {
   FloatPicture picture;
+  CountedPixels counted;
   double mean = 0;                          ///< of all channels
   double block_noise = 0, pixel_noise = 0;  ///< RMS over the mean
 };
-PathReference make_path_reference(const PicturedScene& scene, uint32_t samples, int frame = 0);
+PathReference make_path_reference(const PicturedScene& scene, uint32_t samples, int frame = 0,
+                                  const CountedPixels& counted = {});
 
 /// RMS over the mean: of blocks of 16 × 16 pixels, and of pixels.
 struct PictureError {
@@ -99,9 +104,6 @@ PictureError picture_error(const PicturedScene& scene, const FloatPicture& pictu
 void tell_zones(const std::string& what);
 
 std::string percent(double part);
-
-/// Of all channels.
-double mean_of(const FloatPicture& picture);
 
 /// What a sum of a zone's power weighs: three integers.
 inline constexpr double kZoneSumBytes = 24;
