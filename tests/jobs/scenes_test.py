@@ -1,7 +1,10 @@
-"""The scenes of scenes/hierarchies against what their sources state: counts of items, primitives, lights and clusters."""
+"""The scenes of scenes/hierarchies against what their sources state: counts of items, primitives, lights and clusters. Those of
+scenes/zones: what a script writes, and the commands in their first lines."""
 import re
+import shlex
 import subprocess
 import sys
+import zlib
 
 from rayfarm_job import SCENES, JobTest, main
 
@@ -12,6 +15,9 @@ import placing  # noqa: E402
 import shapes  # noqa: E402
 import vectors  # noqa: E402
 import write_scenes  # noqa: E402
+ZONES = SCENES / "zones"
+sys.path.insert(0, str(ZONES))
+import write_gallery  # noqa: E402
 
 # Items (objects in the thesis), polygons, spheres, other quadrics, lights, --max-depth.
 STATED = {
@@ -130,6 +136,37 @@ class HierarchyScenes(JobTest):
             self.assertIn("no problems found", checked.stderr)
             told = self.run_alone("render", FOLDER / f"{name}.yaml", "-o", self.folder / "a.png", "--size", "32x30",
                                   *(["--max-depth", depth] if depth else []))
+            self.assertEqual(told.code, 0, told.stderr)
+            self.assertNotIn("rayfarm:", told.stderr)  # so begins all that is noted
+
+
+class ZoneScenes(JobTest):
+    """After Figures 4, 6, 7 and 8 of Shirley, Sung and Brown 1991, and the room of the thesis's 2.2.5."""
+
+    def test_mist_is_in_the_gallery_that_is_kept(self):
+        self.assertEqual((ZONES / "gallery_mist.yaml").read_text(), write_gallery.mist())
+
+    def test_paintings_are_those_that_are_kept(self):
+        # Their first rows; how a PNG is packed is zlib's.
+        for k, (paint, width, height) in enumerate(write_gallery.PAINTINGS):
+            data = (ZONES / f"painting_{k + 1}.png").read_bytes()
+            self.assertEqual((int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")), (width, height))
+            length = int.from_bytes(data[33:37], "big")
+            self.assertEqual(data[37:41], b"IDAT")
+            rows = zlib.decompress(data[41:41 + length])
+            self.assertEqual(rows[1:3 * width + 1], next(write_gallery.painted(paint, width, height)), k)
+
+    def test_commands_in_the_scenes_render_without_notes(self):
+        commands = [line.split("rayfarm render ")[1] for path in sorted(ZONES.glob("*.yaml"))
+                    for line in path.read_text().splitlines() if line.startswith("#") and "rayfarm render " in line]
+        self.assertEqual(len(commands), 6)
+        for command in commands:
+            scene, _, picture, *options = shlex.split(command)
+            self.assertTrue((SCENES.parent / picture).is_file(), picture)
+            for option, few in (("--zone-rays", "1000"), ("--zone-samples", "1"), ("--samples", "1"), ("--zone-size", "0.5")):
+                if option in options:
+                    options[options.index(option) + 1] = few
+            told = self.run_alone("render", SCENES.parent / scene, "-o", self.folder / "a.png", *options, "--size", "12x9")
             self.assertEqual(told.code, 0, told.stderr)
             self.assertNotIn("rayfarm:", told.stderr)  # so begins all that is noted
 

@@ -100,6 +100,27 @@ TEST(ZoneMap, CellsOfTrianglesAndTheirCorners) {
   }
 }
 
+TEST(ZoneMap, CellsAboutAPlaceAreWeighedLinearly) {
+  // What is linear over cells comes out linear; outside of the outermost middles it stays as it is. Where the
+  // last column is beside the first, a turn from there leads half way into the next.
+  for (const bool is_round : {false, true})
+    for (const Vec2 place : {Vec2(2.3, 1.9), Vec2(0.1, 0.2), Vec2(4.9, 2.9), Vec2(-1, 7), Vec2(2.5, 1.5)}) {
+      const NearCells near = cells_about(place, 5, 3, is_round);
+      double x = 0, y = 0, weight = 0;
+      for (size_t i = 0; i < 4; ++i) {
+        ASSERT_LT(near.cell[i], 15u);
+        double middle = near.cell[i] % 5 + 0.5;
+        if (is_round && std::abs(middle - place.x) > 3) middle += middle < 2.5 ? 5 : -5;
+        x += near.weight[i] * middle;
+        y += near.weight[i] * (near.cell[i] / 5 + 0.5);
+        weight += near.weight[i];
+      }
+      EXPECT_NEAR(weight, 1, 1e-12);
+      EXPECT_NEAR(y, std::clamp(place.y, 0.5, 2.5), 1e-12);
+      EXPECT_NEAR(x, is_round ? std::clamp(place.x, 0.0, 5.0) : std::clamp(place.x, 0.5, 4.5), 1e-12);
+    }
+}
+
 TEST(ZoneMap, DirectionsHaveEqualProjectedSolidAngles) {
   // Cells of directions are as likely as each other under Lambert's law, and a place leads back to itself.
   constexpr uint32_t kCells = 7;
@@ -118,6 +139,35 @@ TEST(ZoneMap, DirectionsHaveEqualProjectedSolidAngles) {
   for (const int n : hits) EXPECT_NEAR(n, 1000, 130);
   EXPECT_EQ(direction_cells_for(1000), 0u);  // such a lobe is followed
   EXPECT_GT(direction_cells_for(100), direction_cells_for(10));
+}
+
+TEST(ZoneMap, RaysLeaveOnTheSideThatIsAskedFor) {
+  // Corners that floats can't hold, and planes askew: no ray from a zone meets the surface that it leaves.
+  for (const char* points : {"[[-0.7,2.39,-0.9],[0.7,2.39,-0.9],[0.7,2.39,0.5],[-0.7,2.39,0.5]]",
+                             "[[-0.7,2.37,-0.9],[0.7,2.37,-0.9],[0.7,2.37,0.5],[-0.7,2.37,0.5]]",
+                             "[[0.1,0.7,0.3],[1.3,0.9,0.3],[1.4,0.3,1.7],[0.2,0.1,1.7]]",
+                             "[[10.1,7.3,5.7],[10.4,7.1,5.9],[10.7,7.7,5.1]]"})
+    for (const char* transform :
+         {"", ", transform: [{rotate: {axis: [1,2,3], degrees: 37}}, {scale: 1.3}]"}) {
+      const CompiledScene compiled = compile(test::load_yaml(
+          test::view_text() + fmt::format("materials: {{m: {{lambertian: 0.5}}}}\nscene: [{{material: m, "
+                                          "polygon: {{points: {}}}{}}}]\n",
+                                          points, transform)));
+      const ZoneScene zones(compiled.scene, zone_settings(0.2, 1), 0);
+      for (const ZoneGrid& grid : zones.map().grids())
+        for (uint32_t i = 0; i < 16 * grid.cell_count; ++i) {
+          const auto r = random_pair(1, 0, {0, 0, i}, 0);
+          const ZonePoint point =
+              zones.map().point(grid, i / 16, i % 2, Vec2(r[0], r[1]), [](uint32_t) { return Vec2(0.5); });
+          if (!(zones.map().area(grid, i / 16) > 0)) continue;
+          const Vec3& n = point.surface.geometric_normal;
+          const Vec3 direction = normalized(n + 0.9 * point.tangent);
+          EXPECT_FALSE(
+              closest_hit(compiled.scene, zones.pose(), {point.surface.ray_origin(direction), direction})
+                  .is_hit())
+              << points;
+        }
+    }
 }
 
 TEST(ZoneMap, TooManyZonesAreRefused) {

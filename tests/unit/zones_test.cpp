@@ -124,6 +124,17 @@ Color mean_of(const std::vector<float>& values) {
   return sum / (static_cast<double>(values.size()) / 3);
 }
 
+/// Of a picture of 16 × 16 pixels.
+Color mean_of_paths(const Scene& scene, uint32_t samples) {
+  RenderSettings paths = test::picture_settings(16, 16, LightingModel::path);
+  limit_by_depth(paths, kPathDepth);
+  paths.samples = samples;
+  const RenderedPixels rendered = Renderer(scene, paths).render(0, paths.crop, [] {});
+  std::vector<float> values(rendered.pixels.size() / sizeof(float));
+  std::memcpy(values.data(), rendered.pixels.data(), rendered.pixels.size());
+  return mean_of(values);
+}
+
 TEST(ZoneViews, ShowWhatPathsFind) {
   // A room with a lamp, and in it what zones keep by directions, a mirror and glass: all views have the mean
   // of paths, which judge them.
@@ -140,13 +151,7 @@ TEST(ZoneViews, ShowWhatPathsFind) {
       room("wall");
   RenderSettings settings = zone_settings(0.2, 60'000);
   SolvedZones solved(text, settings);
-  RenderSettings paths = test::picture_settings(16, 16, LightingModel::path);
-  limit_by_depth(paths, kPathDepth);
-  paths.samples = 512;
-  const RenderedPixels rendered = Renderer(solved.compiled.scene, paths).render(0, paths.crop, [] {});
-  std::vector<float> judge(rendered.pixels.size() / sizeof(float));
-  std::memcpy(judge.data(), rendered.pixels.data(), rendered.pixels.size());
-  const Color expected = mean_of(judge);
+  const Color expected = mean_of_paths(solved.compiled.scene, 512);
   for (const ZoneView view : {ZoneView::flat, ZoneView::smooth, ZoneView::direct, ZoneView::gather}) {
     SCOPED_TRACE(kZoneViewWords[static_cast<size_t>(view)]);
     solved.settings.zones.view = view;
@@ -176,6 +181,22 @@ TEST(ZoneViews, ShotLightIsNotAskedForTwice) {
     solved.settings.zones.view = ZoneView::direct;
     EXPECT_NEAR(mean_of(solved.picture(16, 16, 64)).x / expected.x, 1, 0.03);
   }
+}
+
+TEST(ZoneViews, KeptAndFollowedLobesShareAShadowRay) {
+  // Figure 7 has such floors: a polish too sharp for zones over boards that they keep. In the view `direct`
+  // both ask for the lamp, in all rays of a packet at once, and a step has room for one shadow ray of each.
+  SolvedZones solved(
+      "view: {location: [0, 0.5, 0.9], look_at: [0, -1, -0.3], field_of_view: 60, aspect: 1}\n"
+      "materials:\n  wall: {polished: {color: [0.6, 0.4, 0.3], index: 1.5, exponent: 300}}\n"
+      "  lamp: {luminaire: {color: 0, emission: 8}}\nscene:\n"
+      "  - {material: lamp, polygon: {points: "
+      "[[-0.4,0.98,-0.4],[0.4,0.98,-0.4],[0.4,0.98,0.4],[-0.4,0.98,0.4]]}}\n" +
+          room("wall"),
+      zone_settings(0.4, 60'000, ZoneView::direct));
+  const Color expected = mean_of_paths(solved.compiled.scene, 256),
+              mean = mean_of(solved.picture(16, 16, 64));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c] / expected[c], 1, 0.03);
 }
 
 TEST(Zones, LightThatNeverComesToRestIsRefused) {
@@ -212,6 +233,21 @@ TEST(ZonesOfMedia, SlabsLetThroughWhatTheyShould) {
   EXPECT_NEAR(through_slab("absorption: 0, scattering: 0.5"), 0.704, 0.007);
   EXPECT_NEAR(through_slab("absorption: 0, scattering: 1"), 0.553, 0.006);
   EXPECT_NEAR(through_slab("absorption: 0, scattering: 2"), 0.390, 0.004);
+}
+
+TEST(ZonesOfMedia, OneScatteringIsAskedForAtAPointOfEachRay) {
+  // Thin, a point light Φ at a distance h from a ray, from a to b: κs Φ / (16π² h) (atan(b/h) - atan(a/h))
+  // (zonal.md, section 5). With a second box behind, which absorbs alone, and a third that scatters, too.
+  SolvedZones solved(
+      "view: {location: [-5, 0, 0], look_at: [0, 0, 0], field_of_view: 0.01, aspect: 1}\n"
+      "lights: [{falloff: true, position: [0, 1.5, 0], color: 4}]\n"
+      "media:\n  - {box: {min: [-1,-3,-3], max: [2,3,3]}, scattering: 0.001}\n"
+      "  - {box: {min: [2,-3,-3], max: [3,3,3]}, absorption: 0.0001}\n"
+      "  - {box: {min: [3,-3,-3], max: [4,3,3]}, scattering: 0.004}\nscene: []\n",
+      zone_settings(1, 1'000, ZoneView::direct));
+  const double h = 1.5, first = std::atan(2 / h) + std::atan(1 / h),
+               second = std::atan(4 / h) - std::atan(3 / h);
+  EXPECT_NEAR(mean_of(solved.picture(4, 4, 256)).x / ((0.001 * first + 0.004 * second) / (pi * h)), 1, 0.02);
 }
 
 TEST(ZonesOfMedia, FurnaceWithAWhiteMedium) {

@@ -7,10 +7,13 @@ void PathTracer::read_media(const Hit* hits) {
   for (size_t lane = 0; lane < lanes_.rays.size; ++lane) {
     const Ray ray{lanes_.rays.origin(lane), lanes_.rays.direction(lane), hits[lane].t};
     const Color throughput = lane_of(lanes_.throughput, lane);
-    colors_[lanes_.places[lane]] += throughput * context_.zones->radiance_of_media(ray);
-    if (context_.zones->view() == ZoneView::direct) {
-      const MediumEvent event = walk_in_media(stage(), lane, hits[lane].t, lanes_);
-      if (event.is_scattered()) light_in_media(stage(), lane, event, lanes_, shadows);
+    LitMediumPoint lit;
+    const double u =
+        sampler_.point(ids_[lanes_.places[lane]], dimension::of_walk(depth_, dimension::kFree)).x;
+    colors_[lanes_.places[lane]] += throughput * context_.zones->radiance_of_media(ray, u, lit);
+    if (lit.medium != kNone) {
+      set_lane(lanes_.throughput, lane, throughput * lit.throughput);
+      light_in_media(stage(), lane, {lit.medium, lit.t}, lanes_, shadows);
     }
     set_lane(lanes_.throughput, lane, throughput * transmittance(scene_, ray));
   }

@@ -140,23 +140,37 @@ Color ZoneLight::diffuse(const ZoneGrid& grid, const GridPlace& place, uint32_t 
   return weight > 0 ? sum / weight : Color(kept_diffusely(grid, map_.cell_at(grid, place), side));
 }
 
-/// Linear between the middles of the cells of directions.
-Color ZoneLight::directional(const InstancePose& pose, const ZoneGrid& grid, uint32_t cell,
+/// Linear between the middles of cells, and of the cells of directions.
+Color ZoneLight::directional(const InstancePose& pose, const ZoneGrid& grid, const GridPlace& on_grid,
                              const Surface& surface, const Vec3& p_object, const Vec3& to_viewer) const {
   const Vec3 along = map_.tangent(pose, grid, p_object), &n = surface.geometric_normal;
   const DirectionFrame frame(n, normalized(along - glm::dot(along, n) * n));
   const uint32_t cells = grid.store.direction_cells;
-  const uint64_t first = grid.slot(cell, surface.is_front ? 0 : 1) + 1;
+  const auto first_of = [&](uint32_t cell) { return grid.slot(cell, surface.is_front ? 0 : 1) + 1; };
   const Vec2 place = direction_place(frame.to_local(to_viewer)) * static_cast<double>(cells);
   if (view_ == ZoneView::flat)
-    return values_[first - 1 + direction_slot(grid.store, place / static_cast<double>(cells))];
+    return values_[first_of(map_.cell_at(grid, on_grid)) - 1 +
+                   direction_slot(grid.store, place / static_cast<double>(cells))];
   const Vec2 from_middle = glm::clamp(place - Vec2(0.5), Vec2(0), Vec2(cells - 1));
   const auto x = std::min(static_cast<uint32_t>(from_middle.x), cells - 2),
              y = std::min(static_cast<uint32_t>(from_middle.y), cells - 2);
   const double fx = from_middle.x - x, fy = from_middle.y - y;
-  const auto value = [&](uint32_t i, uint32_t j) { return Color(values_[first + (y + j) * cells + x + i]); };
-  return (1 - fy) * ((1 - fx) * value(0, 0) + fx * value(1, 0)) +
-         fy * ((1 - fx) * value(0, 1) + fx * value(1, 1));
+  const auto in_cell = [&](uint64_t first) {
+    const auto value = [&](uint32_t i, uint32_t j) {
+      return Color(values_[first + (y + j) * cells + x + i]);
+    };
+    return (1 - fy) * ((1 - fx) * value(0, 0) + fx * value(1, 0)) +
+           fy * ((1 - fx) * value(0, 1) + fx * value(1, 1));
+  };
+  const NearCells near = map_.cells_about(grid, on_grid);
+  Color sum(0);
+  double weight = 0;
+  for (size_t i = 0; i < 4; ++i) {
+    if (!(near.weight[i] > 0) || !(map_.area(grid, near.cell[i]) > 0)) continue;
+    sum += near.weight[i] * in_cell(first_of(near.cell[i]));
+    weight += near.weight[i];
+  }
+  return weight > 0 ? sum / weight : Color(0);
 }
 
 Color ZoneLight::radiance(const Pose& pose, const ZoneGrid& grid, const Hit& hit, const Surface& surface,
@@ -177,7 +191,7 @@ Color ZoneLight::radiance(const Pose& pose, const ZoneGrid& grid, const Hit& hit
     result += kept * part / pi;
   }
   if (grid.store.direction_cells > 0)
-    result += directional(place, grid, cell, surface, p_object, at.to_viewer);
+    result += directional(place, grid, on_grid, surface, p_object, at.to_viewer);
   return result;
 }
 
@@ -226,8 +240,13 @@ Color ZoneLight::source_at(const MediumGrid& grid, const Vec3& p, const Vec3& to
   return sum;
 }
 
-Color ZoneLight::radiance_of_media(const Ray& ray) const {
+Color ZoneLight::radiance_of_media(const Ray& ray, double u, LitMediumPoint& lit) const {
   Color result(0), left(1);
+  double scattered = 0, left_of_u = u;  // scattered: by all pieces so far
+  struct {
+    double t0 = 0, t1 = 0, scattered = 0;
+    Color left{0};
+  } chosen;
   for (const MediumSegment& segment : media_along(scene_, ray)) {
     const ParticipatingMedium& medium = scene_.media[segment.medium];
     const MediumGrid* const grid = media_.find(segment.medium);
@@ -235,14 +254,38 @@ Color ZoneLight::radiance_of_media(const Ray& ray) const {
       left *= attenuation(density_along(scene_, ray, segment) * medium.extinction());
       continue;
     }
+    const Color albedo = over(medium.scattering, medium.extinction());
     GridWalk piece(ray, segment.t0, segment.t1, medium.box.lo, grid->step, grid->count);
     while (piece.next()) {
       const Color gone = attenuation(density_along(scene_, ray, {segment.medium, piece.t0(), piece.t1()}) *
                                      medium.extinction());
       const Vec3 middle = ray.origin + 0.5 * (piece.t0() + piece.t1()) * ray.direction;
       result += left * (Color(1) - gone) * source_at(*grid, middle, -normalized(ray.direction));
+      if (view_ == ZoneView::direct) {
+        // One piece of all, each by what it scatters; u is used up by and by.
+        const double here = max_component(left * (Color(1) - gone) * albedo);
+        scattered += here;
+        const double chance = scattered > 0 ? here / scattered : 0;
+        if (left_of_u < chance || chance >= 1) {
+          lit.medium = segment.medium;
+          chosen = {piece.t0(), piece.t1(), here, left};
+          left_of_u /= chance;
+        } else if (chance > 0) {
+          left_of_u = (left_of_u - chance) / (1 - chance);
+        }
+      }
       left *= gone;
     }
+  }
+  if (lit.medium != kNone) {
+    const ParticipatingMedium& medium = scene_.media[lit.medium];
+    lit.t = chosen.t0 + std::min(left_of_u, 1.0) * (chosen.t1 - chosen.t0);
+    const double per_probability =
+        (chosen.t1 - chosen.t0) * glm::length(ray.direction) * scattered / chosen.scattered;
+    lit.throughput =
+        per_probability * density_at(scene_, medium, ray.origin + lit.t * ray.direction) * medium.scattering *
+        chosen.left *
+        attenuation(density_along(scene_, ray, {lit.medium, chosen.t0, lit.t}) * medium.extinction());
   }
   return result;
 }

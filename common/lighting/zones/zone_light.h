@@ -6,6 +6,14 @@
 
 namespace rayfarm {
 
+/// A point of a ray in a medium that scatters.
+struct LitMediumPoint {
+  uint32_t medium = kNone;  ///< none: nothing is scattered
+  double t = 0;             ///< in lengths of the ray's direction
+  Color throughput{
+      0};  ///< what is scattered there and reaches the ray's origin, over the point's probability
+};
+
 /// The zones of one colour pass.
 class ZoneLight {
  public:
@@ -23,8 +31,10 @@ class ZoneLight {
   /// `pose`: where things are for the ray, which may not be where they were for zones.
   Color radiance(const Pose& pose, const ZoneGrid& grid, const Hit& hit, const Surface& surface,
                  const Interaction& at, const Lobes& lobes) const;
-  /// Radiance that media send against a ray's direction, between 0 and its t_max.
-  Color radiance_of_media(const Ray& ray) const;
+  /// Radiance that media send against a ray's direction, between 0 and its t_max. In the view `direct`
+  /// without what comes straight from sources and is scattered once: `lit` is then a point at which to ask
+  /// for it, by chance (`u` in [0, 1)) where as much is scattered as there.
+  Color radiance_of_media(const Ray& ray, double u, LitMediumPoint& lit) const;
 
  private:
   Color source_at(const MediumGrid& grid, const Vec3& p, const Vec3& to_viewer) const;
@@ -34,8 +44,8 @@ class ZoneLight {
     return values_[grid.slot(cell, side)];
   }
   Color diffuse(const ZoneGrid& grid, const GridPlace& place, uint32_t side) const;
-  Color directional(const InstancePose& pose, const ZoneGrid& grid, uint32_t cell, const Surface& surface,
-                    const Vec3& p_object, const Vec3& to_viewer) const;
+  Color directional(const InstancePose& pose, const ZoneGrid& grid, const GridPlace& on_grid,
+                    const Surface& surface, const Vec3& p_object, const Vec3& to_viewer) const;
 
   const Scene scene_;  ///< in the pass's colours
   const ZoneMap& map_;

@@ -76,6 +76,8 @@ class ZoneMap {
   const ZoneGrid* grid_of(const Hit& hit) const;
   GridPlace place_of(const ZoneGrid& grid, const Hit& hit, const Vec3& p_object) const;
   uint32_t cell_at(const ZoneGrid& grid, const GridPlace& place) const;
+  /// Those that a value is interpolated between; of a triangle the one that the place is in.
+  NearCells cells_about(const ZoneGrid& grid, const GridPlace& place) const;
   /// Among the grid's own corners.
   CellCorners corners_at(const ZoneGrid& grid, const GridPlace& place) const;
   /// In the world; 0 of cells that others stand for.

@@ -27,6 +27,19 @@ uint32_t ZoneMap::cell_at(const ZoneGrid& grid, const GridPlace& place) const {
   return plane.stands_for.empty() ? cell : plane.stands_for[cell];
 }
 
+NearCells ZoneMap::cells_about(const ZoneGrid& grid, const GridPlace& place) const {
+  if (grid.shape == ZoneShape::triangle) return {{triangle_of(grid).cell_at(place)}};
+  if (grid.shape == ZoneShape::revolved) {
+    const RevolvedCells& cells = revolved_[grid.record];
+    return rayfarm::cells_about(place, cells.columns, cells.rows, true);
+  }
+  const PlaneCells& plane = planes_[grid.record];
+  NearCells near = rayfarm::cells_about(place, plane.columns, plane.rows, false);
+  if (!plane.stands_for.empty())
+    for (uint32_t& cell : near.cell) cell = plane.stands_for[cell];
+  return near;
+}
+
 CellCorners ZoneMap::corners_at(const ZoneGrid& grid, const GridPlace& place) const {
   if (grid.shape == ZoneShape::triangle) return triangle_of(grid).corners_at(place);
   if (grid.shape == ZoneShape::revolved)
@@ -121,6 +134,10 @@ ZonePoint ZoneMap::point_at(const ZoneGrid& grid, uint32_t cell, uint32_t side, 
     result.surface.geometric_normal = -result.surface.geometric_normal;
   }
   result.surface.shading_normal = result.surface.geometric_normal;
+  // What rays meet as triangles has corners of 24 bits, and its plane is so much beside the polygon's: rays
+  // that leave must start off both.
+  if (grid.shape == ZoneShape::plane && grid.block_lane != kNone)
+    result.surface.offset *= 0x1p-22 / rounding_bound(1);
   const Vec3 along = tangent(place, grid, result.p_object), &n = result.surface.geometric_normal;
   result.tangent = normalized(along - glm::dot(along, n) * n);
   return result;

@@ -58,6 +58,23 @@ CellCorners corners_at(const GridPlace& place, uint32_t columns, uint32_t rows) 
   return {{first, first + 1, above, above + 1}, {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
 }
 
+NearCells cells_about(const GridPlace& place, uint32_t columns, uint32_t rows, bool is_round) {
+  // Counted from the middle of the column, and the row, before the first.
+  const double x = clamp_to(place.x, columns) + 0.5, y = clamp_to(place.y, rows) + 0.5;
+  const auto column = static_cast<uint32_t>(x), row = static_cast<uint32_t>(y);
+  const double fx = x - column, fy = y - row;
+  const uint32_t before = column > 0 ? column - 1
+                          : is_round ? columns - 1
+                                     : 0,
+                 behind = column < columns ? column
+                          : is_round       ? 0
+                                           : columns - 1,
+                 below = row > 0 ? row - 1 : 0, above = std::min(row, rows - 1);
+  return {{below * columns + before, below * columns + behind, above * columns + before,
+           above * columns + behind},
+          {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
+}
+
 // Triangles: row j has 2 (k - j) - 1 cells, which stand and hang in turn; 2 k j - j² are before it.
 
 uint32_t TriangleCells::cell_at(const GridPlace& place) const {

@@ -22,6 +22,12 @@ struct CellCorners {
   std::array<double, 4> weight{};
 };
 
+/// Cells whose middles are about a point, and their weights, which sum up to 1.
+struct NearCells {
+  std::array<uint32_t, 4> cell{};
+  std::array<double, 4> weight{1, 0, 0, 0};
+};
+
 /// A triangle's cells: each edge is cut into `parts`.
 struct TriangleCells {
   std::array<Vec3, 3> vertices{};
@@ -104,5 +110,7 @@ void cut(PlaneCells& plane, uint32_t columns, uint32_t rows, std::span<const Vec
 /// Of cells in columns and rows.
 uint32_t cell_at(const GridPlace& place, uint32_t columns, uint32_t rows);
 CellCorners corners_at(const GridPlace& place, uint32_t columns, uint32_t rows);
+/// `is_round`: the last column is beside the first.
+NearCells cells_about(const GridPlace& place, uint32_t columns, uint32_t rows, bool is_round);
 
 }  // namespace rayfarm
