@@ -51,7 +51,7 @@ RenderSettings settings_of(const ZoneWork& work, double size, double rays, ZoneP
   RenderSettings settings = zone_experiment_settings(LightingModel::zonal, 1);
   settings.zones.size = size;
   settings.zones.rays = work.rays(rays);
-  settings.zones.samples = work.samples(512);
+  settings.zones.samples = work.samples(4096);
   settings.zones.primary = primary;
   return settings;
 }

@@ -5,6 +5,7 @@
 
 namespace rayfarm {
 
-ZoneStudy study_zone_costs(const ZoneWork& work);
+/// Throws RenderFailed.
+ZoneStudy study_zone_costs(const ZoneWork& work, const RunRender& render);
 
 }  // namespace rayfarm

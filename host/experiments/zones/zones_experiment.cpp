@@ -16,7 +16,7 @@ namespace rayfarm {
 int run_zones_experiment(const ExperimentOptions& options, const RunRender& render) {
   const ZoneWork work(options);
   try {
-    write_zones_page(work, {study_zone_errors(work), study_zone_costs(work), study_rounds(work),
+    write_zones_page(work, {study_zone_errors(work), study_zone_costs(work, render), study_rounds(work),
                             study_zone_farms(work, render), study_matrix(work), study_zone_figures(work),
                             study_known_light(work)});
   } catch (const RenderFailed& failed) {
