@@ -10,6 +10,7 @@
 #include "host/experiments/sampling/sampling_experiment.h"
 #include "host/experiments/smoothing/smoothing_experiment.h"
 #include "host/experiments/working-sets/working_sets.h"
+#include "host/experiments/zones/zones_experiment.h"
 
 namespace rayfarm {
 namespace {
@@ -29,6 +30,7 @@ int run_experiment(const ExperimentChoice& choice, const Renders& renders) {
   if (choice.name == "sampling") return run_sampling_experiment(options, renders.here);
   if (choice.name == "smoothing") return run_smoothing_experiment(options);
   if (choice.name == "working-sets") return run_working_set_experiment(options);
+  if (choice.name == "zones") return run_zones_experiment(options, renders.here);
   if (choice.name == "colour") return run_colour_experiment(options, renders.here);
   return run_lighting_experiment(options, renders.here);
 }
@@ -55,7 +57,7 @@ void add_experiment_command(CommandLine& line) {
       .word(
           "NAME", [choice = choice.get()](const std::string& name) { choice->name = name; },
           {"bounding-volumes", "colour", "depth", "hierarchies", "lighting", "net-load", "sampling",
-           "smoothing", "working-sets"},
+           "smoothing", "working-sets", "zones"},
           "bounding-volumes: what they, clusters and an item buffer save, Weghorst, Hooper and "
           "Greenberg 1984; colour: RGB and spectra at 4, 20 and any wavelengths, section 2.1 of Shirley, "
           "Sung and Brown; "
@@ -65,7 +67,8 @@ void add_experiment_command(CommandLine& line) {
           "net-load: processor counts against the net's load, section 4.4.4.2; sampling: the accuracy of "
           "patterns, section 2.2.1 of Shirley, Sung and Brown; smoothing: the light of a turning mesh, "
           "section "
-          "2.3.5; working-sets: Table 4.12")
+          "2.3.5; working-sets: Table 4.12; zones: errors, time and rays of zonal lighting against paths, "
+          "section 3 of Shirley, Sung and Brown")
       .required();
   options.text("-o,--output", o.output, "folder for page, pictures and numbers (default: out/NAME)");
   options.text("--scenes", o.scenes, "folder that holds the scenes (default: scenes)");

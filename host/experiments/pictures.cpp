@@ -24,7 +24,8 @@ PicturedScene::PicturedScene(const std::string& path, int width_px)
   height_px_ = std::max(1, width_px_ * height / width);
 }
 
-FloatPicture PicturedScene::render(RenderSettings settings) const {
+FloatPicture PicturedScene::render(RenderSettings settings, int frame,
+                                   std::span<const std::byte> zones) const {
   settings.width_px = width_px_;
   settings.height_px = height_px_;
   settings.crop = {0, 0, width_px_, height_px_};
@@ -38,10 +39,11 @@ FloatPicture PicturedScene::render(RenderSettings settings) const {
   const auto work = [&] {
     try {
       Renderer renderer(compiled_.scene, settings);
+      if (!zones.empty()) renderer.set_zones(frame, zones);
       RayCounts counts;
       for (int y; (y = next_row.fetch_add(kRowsAtOnce)) < height_px_;) {
         const RenderedPixels rows =
-            renderer.render(0, {0, y, width_px_, std::min(y + kRowsAtOnce, height_px_)}, [] {});
+            renderer.render(frame, {0, y, width_px_, std::min(y + kRowsAtOnce, height_px_)}, [] {});
         std::memcpy(picture.values.data() + row_bytes / sizeof(float) * static_cast<size_t>(y),
                     rows.pixels.data(), rows.pixels.size());
         counts += rows.counts;

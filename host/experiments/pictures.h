@@ -1,6 +1,8 @@
 #pragma once
 // Pictures as numbers: an experiment's scene, rendered on all cores of this process, and how pictures differ.
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,8 +23,12 @@ class PicturedScene {
   /// file.
   PicturedScene(const std::string& path, int width_px);
 
-  /// Of frame 0. Size, crop and pixel format are the scene's.
-  FloatPicture render(RenderSettings settings) const;
+  const Scene& scene() const { return compiled_.scene; }
+  int width_px() const { return width_px_; }
+  int height_px() const { return height_px_; }
+
+  /// Size, crop and pixel format are the scene's. `zones`: the light that is shown, of models with zones.
+  FloatPicture render(RenderSettings settings, int frame = 0, std::span<const std::byte> zones = {}) const;
 
  private:
   SceneDescription description_;

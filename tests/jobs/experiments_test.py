@@ -1,5 +1,6 @@
 """Experiments, as small as they get: each writes its page, tables and pictures."""
 import csv
+import json
 import re
 import shutil
 
@@ -211,6 +212,33 @@ class Experiments(JobTest):
         self.assertIn("| center |", page)
         for name in ("jumps.dat", "profile.dat", "smoothing.gp"):
             self.assertTrue((self.folder / "page" / name).exists(), name)
+
+    def test_zones_writes_its_page(self):
+        """zonal.md 5: its rows with the numbers reached. So small, that only what does not depend on rays is right."""
+        page = self.folder / "page"
+        result = self.run_alone("experiment", "zones", "-o", page, "--scenes", SCENES, "--width", "16")
+        self.assertEqual(result.code, 0, result.stderr)
+        told = json.loads((page / "zones.json").read_text())
+        held = {check["what"]: check["holds"] for check in told["checks"]}
+        for what in ("solution and picture on 1, 2, 3, 9 nodes, batches of 4096 and 1000 rays, both policies", "balance of the same, in integers",
+                     "the same by hemicubes at 7 × 7 middles", "slab, absorbing, τ = 0.5: diffuse light through"):
+            self.assertEqual(held[what], 1, what)
+        self.assertEqual(len({row["zones_sha256"] for row in told["ranks"]}), 1)
+        self.assertEqual([row["nodes"] for row in told["ranks"]], [1, 2, 3, 9])
+        for row in told["ranks"]:
+            self.assertGreater(row["result_bytes"], 0)
+            self.assertGreater(row["rays"], 10_000)
+        for row in told["rounds"]:
+            self.assertLess(row["unsent"], 0.001)
+        for room in ("Goral's room", "Goral's room, closed by a luminaire"):
+            errors = told[f"{room}, error over rays"]
+            self.assertGreater(errors[0]["flat_pixels"], errors[-1]["flat_pixels"])
+        text = (page / "README.md").read_text()
+        for section in ("What is asked, and what was reached", "Errors against paths", "equal noise", "Unsent power", "Ranks", "full matrix", "a medium"):
+            self.assertIn(section, text)
+        for name in ("error_size.dat", "rounds.dat", "ranks.dat", "costs.dat", "zones.gp"):
+            self.assertTrue((page / name).exists(), name)
+        self.assertFalse((page / "scratch").exists())
 
 
 if __name__ == "__main__":

@@ -46,7 +46,10 @@ bool PathTracer::visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
   Lobes lobes;
   scatter(material, at, lobes);
   Lobes kept;
-  if (context_.zones && ends_at_zones(path)) kept = take_from_zones(path, hit, surface, at, lobes);
+  if (context_.zones && ends_at_zones(path)) {
+    kept = take_from_zones(path, hit, surface, at, lobes);
+    if (kept.empty() && lobes.empty()) return false;
+  }
   const bool is_last = path.depth >= settings_.max_depth;
   if (is_last) {
     if (kept.empty()) return false;
@@ -64,7 +67,7 @@ bool PathTracer::visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
     add_direct_light(path, surface, at, asked, followed);
     lobes = followed;
   }
-  if (is_last) return false;
+  if (is_last || lobes.empty()) return false;
   // Points are made only where they are asked for.
   const bool is_risky = path.depth >= kFirstRoulette;
   const Vec2 lobe = lobes.size() > 1 || is_risky ? point(path, dimension::kLobe) : Vec2(0);
