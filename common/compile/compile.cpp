@@ -358,6 +358,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   LightPlaces places;
   ObjectTree tree(arrays, description, parts.part_of(), options.stop);
   places.in_objects = tree.expand();
+  add_view(arrays, description);  // the last curves: all else is the same whoever looks
   build_object_part(arrays, description, options.stop);
   if (options.hierarchy == Hierarchy::object && purpose == Purpose::pictures)
     arrays.header[0].object_tree = build_scene_objects(arrays, description, tree.objects(), parts.placed(),
@@ -365,7 +366,6 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   if (purpose == Purpose::pictures) add_environment(arrays, description);
   places.luminaires = add_luminaires(arrays, description, parts.luminaires(), parts.luminous_of());
   weigh_lights(arrays);
-  add_view(arrays, description);  // the last curves: all else is the same whoever looks
 
   CompiledScene result;
   result.block = encode_scene(std::move(arrays));

@@ -12,7 +12,7 @@ namespace {
 /// Of a smooth coat (glTF's KHR_materials_clearcoat: an index of 1.5).
 constexpr double kCoatReflectance = 0.04;
 /// Facets that lean less than this are none: the surface is smooth.
-constexpr double kLeastAlpha = 1e-4;
+constexpr double kLeastSpreadAlpha = 1e-4;
 
 /// Of what a rough surface lets through, to choose it at all.
 constexpr double kLeastLeft = 0.1;
@@ -24,7 +24,7 @@ double alpha_of(double roughness) {
   return roughness * roughness;
 }
 bool is_smooth(double roughness) {
-  return alpha_of(roughness) < kLeastAlpha;
+  return alpha_of(roughness) < kLeastSpreadAlpha;
 }
 
 /// (1 - cosine)⁵, by which Fresnel's equations are replaced (Schlick 1994).

@@ -164,9 +164,9 @@ void shift(Part& part, const ArrayOffsets& o) {
 
 void shift(Material& m, const ArrayOffsets& o) {
   auto& [color, ambient, diffuse, specular, shininess, reflect, transmit, index, kind, priority, texture,
-         bump, emission, interior, reflections, is_solid, is_pierced, is_unlit, is_no_lamp, bump_height,
-         exponent, n, k, metal, is_inward, abbe, filter, back, through, diagram, principled, diagram_axis,
-         diagram_zero, parts] = m;
+         bump, emission, interior, reflections, zone_size, is_solid, is_pierced, is_unlit, is_no_lamp,
+         padding, bump_height, exponent, n, k, metal, is_inward, abbe, filter, back, through, diagram,
+         principled, diagram_axis, diagram_zero, parts] = m;
   shift(texture, o.textures);
   shift(bump, o.textures);
   shift(diagram, o.goniometric_diagrams);

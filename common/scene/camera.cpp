@@ -41,9 +41,8 @@ bool Camera::sees(double x, double y) const {
     return false;
   if (radians_per_px == 0) return true;
   const Vec2 angles = radians_per_px * (Vec2(x, y) - middle_px);
-  return projection == Projection::panoramic
-             ? std::abs(angles.x) <= most_radians && std::abs(angles.y) <= pi / 2
-             : glm::length(angles) <= most_radians;
+  return projection == Projection::panoramic ? std::abs(angles.y) <= pi / 2
+                                             : glm::length(angles) <= most_radians;
 }
 
 Ray Camera::ray(double x, double y, const Vec2& lens) const {
@@ -82,7 +81,7 @@ Ray Camera::ray(double x, double y, const Vec2& lens) const {
     }
   }
   if (near > 0) ray.origin += near / cosine * ray.direction;
-  ray.t_max = (far - near) / cosine;
+  if (std::isfinite(far)) ray.t_max = (far - near) / cosine;
   return ray;
 }
 

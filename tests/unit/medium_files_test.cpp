@@ -10,7 +10,7 @@ std::string with_media(const std::string& media) {
 std::string with_grid(const std::string& grid) {
   return with_media("  - {box: {min: [0, 0, 0], max: [2, 1, 1]}, scattering: 1, grid: {" + grid + "}}\n");
 }
-void expect_error(const std::string& text, const std::string& place, const std::string& problem) {
+void expect_file_error(const std::string& text, const std::string& place, const std::string& problem) {
   const std::string error = test::error_of(text);
   EXPECT_NE(error.find(place), std::string::npos) << error;
   EXPECT_NE(error.find(problem), std::string::npos) << error;
@@ -77,71 +77,74 @@ TEST(MediumFiles, WhatIsWrongIsToldWithItsPlace) {
   const auto medium = [](const std::string& keys) {
     return with_media("  - {box: {min: [0, 0, 0], max: [2, 1, 1]}, " + keys + "}\n");
   };
-  expect_error(medium("absorption: -1"), "scene.yaml:3:", "absorption");
-  expect_error(medium("scattering: [1, 2, -0.1]"), "scene.yaml:3:", "scattering");
-  expect_error(medium("scattering: .nan"), "scene.yaml:3:", "scattering");
-  expect_error(medium("scattering: 1, g: 1"), "scene.yaml:3:", "0.99");
-  expect_error(medium("absorption: 1, g: 0.3"), "scene.yaml:3:", "`scattering`");
-  expect_error(medium("g: 0.3"), "scene.yaml:3:", "`scattering`");
-  expect_error(medium("absorption: 0"), "scene.yaml:3:5", "above 0");
-  expect_error(medium("absorption: 1e7"), "scene.yaml:3:5", "solid");
-  expect_error(medium("absorbtion: 1"), "scene.yaml:3:", "did you mean 'absorption'");
-  expect_error(with_media("  - {absorption: 1}\n"), "scene.yaml:3:5", "box");
-  expect_error(with_media("  - {box: {min: [0, 0, 0], max: [0, 1, 1]}, absorption: 1}\n"),
-               "scene.yaml:3:", "below");
-  expect_error(with_media("  - {box: {min: [0, 0, 0], max: [2, 1, 1]}, absorption: 1}\n"
-                          "  - {box: {min: [1, 0, 0], max: [3, 1, 1]}, absorption: 1}\n"),
-               "scene.yaml:4:5", "overlaps the one at " + test::write_temporary("scene.yaml", "") + ":3:5");
+  expect_file_error(medium("absorption: -1"), "scene.yaml:3:", "absorption");
+  expect_file_error(medium("scattering: [1, 2, -0.1]"), "scene.yaml:3:", "scattering");
+  expect_file_error(medium("scattering: .nan"), "scene.yaml:3:", "scattering");
+  expect_file_error(medium("scattering: 1, g: 1"), "scene.yaml:3:", "0.99");
+  expect_file_error(medium("absorption: 1, g: 0.3"), "scene.yaml:3:", "`scattering`");
+  expect_file_error(medium("g: 0.3"), "scene.yaml:3:", "`scattering`");
+  expect_file_error(medium("absorption: 0"), "scene.yaml:3:5", "above 0");
+  expect_file_error(medium("absorption: 1e7"), "scene.yaml:3:5", "solid");
+  expect_file_error(medium("absorbtion: 1"), "scene.yaml:3:", "did you mean 'absorption'");
+  expect_file_error(with_media("  - {absorption: 1}\n"), "scene.yaml:3:5", "box");
+  expect_file_error(with_media("  - {box: {min: [0, 0, 0], max: [0, 1, 1]}, absorption: 1}\n"),
+                    "scene.yaml:3:", "below");
+  expect_file_error(with_media("  - {box: {min: [0, 0, 0], max: [2, 1, 1]}, absorption: 1}\n"
+                               "  - {box: {min: [1, 0, 0], max: [3, 1, 1]}, absorption: 1}\n"),
+                    "scene.yaml:4:5",
+                    "overlaps the one at " + test::write_temporary("scene.yaml", "") + ":3:5");
   std::string many;
   for (int i = 0; i < 65; ++i)
     many += fmt::format("  - {{box: {{min: [{}, 0, 0], max: [{}, 1, 1]}}, absorption: 1}}\n", i, i + 1);
-  expect_error(with_media(many), "scene.yaml:67:", "no more than 64");
+  expect_file_error(with_media(many), "scene.yaml:67:", "no more than 64");
 }
 
 TEST(MediumFiles, WhatIsWrongWithGridsIsTold) {
   test::write_temporary("six.raw", "abcdef");
   const auto raw = [](const std::string& keys) { return with_grid("file: six.raw, " + keys); };
-  expect_error(raw("size: [3, 3, 1], type: uint8"), "six.raw", "9 bytes, but 6 are there");
-  expect_error(raw("size: [3, 2], type: uint8"), "scene.yaml:3:", "[x, y, z]");
-  expect_error(raw("size: [0, 2, 1], type: uint8"), "scene.yaml:3:", "1");
-  expect_error(raw("size: [100000, 100000, 100000], type: uint8"), "scene.yaml:3:", "room");
-  expect_error(raw("size: [3, 2, 1], type: uint9"), "scene.yaml:3:", "uint8");
-  expect_error(raw("size: [3, 2, 1]"), "scene.yaml:3:", "type");
-  expect_error(with_grid("file: none.raw, size: [3, 2, 1], type: uint8"), "scene.yaml:3:", "none.raw");
-  expect_error(with_grid("file: smoke.vdb"), "scene.yaml:3:", ".nrrd");
+  expect_file_error(raw("size: [3, 3, 1], type: uint8"), "six.raw", "9 bytes, but 6 are there");
+  expect_file_error(raw("size: [3, 2], type: uint8"), "scene.yaml:3:", "[x, y, z]");
+  expect_file_error(raw("size: [0, 2, 1], type: uint8"), "scene.yaml:3:", "1");
+  expect_file_error(raw("size: [100000, 100000, 100000], type: uint8"), "scene.yaml:3:", "room");
+  expect_file_error(raw("size: [3, 2, 1], type: uint9"), "scene.yaml:3:", "uint8");
+  expect_file_error(raw("size: [3, 2, 1]"), "scene.yaml:3:", "type");
+  expect_file_error(with_grid("file: none.raw, size: [3, 2, 1], type: uint8"), "scene.yaml:3:", "none.raw");
+  expect_file_error(with_grid("file: smoke.vdb"), "scene.yaml:3:", ".nrrd");
   const auto bad_float = [](float value) {
     std::string bytes(8, '\0');
     std::memcpy(bytes.data() + 4, &value, 4);
     test::write_temporary("bad.raw", bytes);
     return with_grid("file: bad.raw, size: [1, 2, 1], type: float32");
   };
-  expect_error(bad_float(-0.5f), "bad.raw", "[0, 1, 0] is -0.5");
-  expect_error(bad_float(std::numeric_limits<float>::quiet_NaN()), "bad.raw", "[0, 1, 0] is nan");
-  expect_error(bad_float(std::numeric_limits<float>::infinity()), "bad.raw", "0 or more");
-  expect_error(bad_float(1e30f), "scene.yaml:3:5", "solid");
+  expect_file_error(bad_float(-0.5f), "bad.raw", "[0, 1, 0] is -0.5");
+  expect_file_error(bad_float(std::numeric_limits<float>::quiet_NaN()), "bad.raw", "[0, 1, 0] is nan");
+  expect_file_error(bad_float(std::numeric_limits<float>::infinity()), "bad.raw", "0 or more");
+  expect_file_error(bad_float(1e30f), "scene.yaml:3:5", "solid");
 
   const auto nrrd = [](const std::string& header) {
     test::write_temporary("in.nrrd", header + "\n\n123456");
     return with_grid("file: in.nrrd");
   };
-  expect_error(nrrd("P6"), "in.nrrd", "NRRD000");
-  expect_error(nrrd("NRRD0004\ndimension: 4"), "in.nrrd:2", "three axes, not 4");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2"), "in.nrrd:3", "three whole numbers");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1 4"), "in.nrrd:3", "three whole numbers");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 99999 99999 99999"), "in.nrrd:3", "room");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: block"), "in.nrrd:4", "block");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: uchar\nencoding: gzip"), "in.nrrd:5",
-               "gzip");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: float\nencoding: raw"), "in.nrrd", "endian");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: uchar\nencoding: raw\nbyte skip: 3"),
-               "in.nrrd:6", "byteskip");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 2\ntype: uchar\nencoding: raw"), "in.nrrd",
-               "12 bytes, but 6");
-  expect_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: uchar\nencoding: raw\ndata file: gone.raw"),
-               "in.nrrd:6", "gone.raw");
-  expect_error(nrrd("NRRD0004\ndimension: 3\ndimension: 3"), "in.nrrd:3", "twice");
-  expect_error(nrrd("NRRD0004\nhello"), "in.nrrd:2", "name: value");
-  expect_error(with_grid("file: in.nrrd, type: uint8"), "scene.yaml:3:", "leave it out");
+  expect_file_error(nrrd("P6"), "in.nrrd", "NRRD000");
+  expect_file_error(nrrd("NRRD0004\ndimension: 4"), "in.nrrd:2", "three axes, not 4");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2"), "in.nrrd:3", "three whole numbers");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1 4"), "in.nrrd:3", "three whole numbers");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\nsizes: 99999 99999 99999"), "in.nrrd:3", "room");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: block"), "in.nrrd:4", "block");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: uchar\nencoding: gzip"), "in.nrrd:5",
+                    "gzip");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: float\nencoding: raw"), "in.nrrd",
+                    "endian");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: uchar\nencoding: raw\nbyte skip: 3"),
+                    "in.nrrd:6", "byteskip");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 2\ntype: uchar\nencoding: raw"), "in.nrrd",
+                    "12 bytes, but 6");
+  expect_file_error(
+      nrrd("NRRD0004\ndimension: 3\nsizes: 3 2 1\ntype: uchar\nencoding: raw\ndata file: gone.raw"),
+      "in.nrrd:6", "gone.raw");
+  expect_file_error(nrrd("NRRD0004\ndimension: 3\ndimension: 3"), "in.nrrd:3", "twice");
+  expect_file_error(nrrd("NRRD0004\nhello"), "in.nrrd:2", "name: value");
+  expect_file_error(with_grid("file: in.nrrd, type: uint8"), "scene.yaml:3:", "leave it out");
 }
 
 TEST(MediumFiles, DamagedBlocksAreRefused) {
