@@ -95,7 +95,7 @@ CompiledScene compile_part() {
 
 /// A scene that uses the nodes twice, moved: from the file, or as they are written. A material stands in the
 /// place of the one that the file has as its first.
-std::string scene_with(bool is_library, const std::string& more = "") {
+std::string scene_with_file(bool is_library, const std::string& more = "") {
   const std::string use = is_library ? "{file: part.rfp}" : "part";
   std::string text = kHead;
   if (!is_library)
@@ -113,8 +113,8 @@ std::string scene_with(bool is_library, const std::string& more = "") {
 
 TEST(PartFile, ScenesHaveTheArraysOfTheSameObjectsWrittenInThem) {
   compile_part();
-  const CompiledScene inlined = compile(test::load_yaml(scene_with(false))),
-                      used = compile(test::load_yaml(scene_with(true)));
+  const CompiledScene inlined = compile(test::load_yaml(scene_with_file(false))),
+                      used = compile(test::load_yaml(scene_with_file(true)));
   std::map<std::string, std::string> arrays;
   for_each_array(inlined.scene, [&](const char* name, auto array) {
     const auto bytes = std::as_bytes(array);
@@ -144,8 +144,8 @@ TEST(PartFile, PicturesAreThoseOfTheSameObjectsWrittenInTheScene) {
       "  - polygon: {points: [[-3, -1.5, -3], [3, -1.5, -3], [3, -1.5, 3], [0, -1.5, 0], [-3, -1.5, 3]]}\n";
   for (int i = 0; i < 12; ++i)
     more += fmt::format("  - {{sphere: {{center: [{}, 1.5, -2], radius: 0.2}}}}\n", 0.5 * i - 3);
-  const CompiledScene inlined = compile(test::load_yaml(scene_with(false, more))),
-                      used = compile(test::load_yaml(scene_with(true, more)));
+  const CompiledScene inlined = compile(test::load_yaml(scene_with_file(false, more))),
+                      used = compile(test::load_yaml(scene_with_file(true, more)));
   for (const LightingModel model : {LightingModel::whitted, LightingModel::thesis, LightingModel::path}) {
     RenderSettings settings = test::picture_settings(40, 30, model);
     settings.colour = model == LightingModel::whitted ? ColourModel::meyer4 : ColourModel::rgb;
@@ -161,7 +161,7 @@ TEST(PartFile, PicturesAreThoseOfTheSameObjectsWrittenInTheScene) {
 
 TEST(PartFile, AFileIsReadAndStoredOnceHoweverOftenItIsUsed) {
   const CompiledScene part = compile_part();
-  const SceneDescription twice = test::load_yaml(scene_with(true));
+  const SceneDescription twice = test::load_yaml(scene_with_file(true));
   EXPECT_EQ(twice.libraries.size(), 1u);
   EXPECT_EQ(compile(twice).scene.parts.size(), part.scene.parts.size());
   EXPECT_EQ(std::count_if(twice.files.begin(), twice.files.end(),
@@ -236,7 +236,7 @@ TEST(PartFile, DamageThatTheChecksumDoesNotShowEndsInAnErrorOrInAScene) {
       arrays.emplace_back(reinterpret_cast<const std::byte*>(array.data()) - part.block.data.get(),
                           array.size_bytes());
   });
-  const std::string scene = test::write_temporary("scene.yaml", scene_with(true));
+  const std::string scene = test::write_temporary("scene.yaml", scene_with_file(true));
   const std::string file = std::filesystem::path(scene).parent_path() / "part.rfp";
   std::mt19937 random(5);
   int errors = 0, rendered = 0;
@@ -283,7 +283,7 @@ TEST(PartFile, WhatBelongsToASceneIsLeftOutAndTold) {
   compile_part();
   BuildOptions thesis;
   thesis.hierarchy = Hierarchy::thesis;
-  const CompiledScene compiled = compile(test::load_yaml(scene_with(true)), thesis);
+  const CompiledScene compiled = compile(test::load_yaml(scene_with_file(true)), thesis);
   ASSERT_FALSE(compiled.notes.lines().empty());
   expect_error(compiled.notes.lines().back(), {"part.rfp", "its volumes stay as they were built"});
 }

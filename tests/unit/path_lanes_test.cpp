@@ -22,7 +22,7 @@ void compare(const std::string& scene, const RenderSettings& settings, const std
   SCOPED_TRACE(what);
   Probe probe(scene);
   const SamplingTables tables(settings, 2);
-  const FrameContext context{probe.compiled.scene, probe.pose, tables, 0.001};
+  const FrameContext context{probe.compiled.scene, probe.pose, tables, 0, 0.001};
   const auto trace = [&](Integrator& integrator, const RayPacket& rays, std::span<const SampleId> ids,
                          RayCounts& counts) {
     Traced traced;
