@@ -1,5 +1,6 @@
 """Stages of zones on whole farms, with zones that hold no light (fake_zones.cpp): who did what must not show, and what goes wrong is told."""
 import json
+import re
 import os
 import pathlib
 import signal
@@ -205,6 +206,19 @@ class Files(ZonesTest):
         again = json.loads((self.folder / "stats.json").read_text())
         self.assertEqual(again["image"]["sha256_pixels"], told["image"]["sha256_pixels"])
 
+    def test_another_camera_and_options_that_do_nothing_need_no_new_zones(self):
+        """A walk through a scene costs its light once, also where each picture has a scene of its own."""
+        self.solve(1)
+        room = (SCENES / "goral_room.yaml").read_text()
+        moved = re.sub(r"location: \[[^\]]*\]", "location: [0.1, 0.2, 0.9]", room)
+        self.assertNotEqual(moved, room)
+        light = self.folder / "light.zones"
+        for text, option in ((room, []), (moved, ["--min-weight", "0.1", "--hemicube", "9"])):
+            (self.folder / "room.yaml").write_text(text)
+            code, stderr = self.run_fake(1, "--zones", light, *option, scene=self.folder / "room.yaml")
+            self.assertEqual(code, 0, stderr)
+            self.assertEqual("it is not computed again" in stderr, bool(option), stderr)
+
     def refused(self, code, message, *arguments, file="a.zones", **more):
         found, stderr = self.run_fake(1, "--zones", self.folder / file, *arguments, **more)
         self.assertEqual(found, code, stderr)
@@ -217,7 +231,7 @@ class Files(ZonesTest):
         (self.folder / "z.png").unlink()
         self.refused(2, "it is of another --seed; remove it, or name another file", "--seed", "7")
         self.refused(2, "it is of another --max-depth, another --max-reflections", "--max-depth", "3")
-        self.refused(2, "it is of other settings", "--min-weight", "0.1")
+        self.refused(2, "it is of another --zone-rays", "--zone-rays", "77777")
         self.refused(2, "it is of another scene", scene=SCENES / "blocks.yaml")
         for damaged, message in ((whole[:-1], "it is cut off: "), (whole[:40], "it is cut off, or damaged"), (b"", "this is no file of zones"),
                                  (b"my diary\n\n", "this is no file of zones"), (whole + b"x", "its bytes are not those"),
