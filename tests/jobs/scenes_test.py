@@ -134,7 +134,7 @@ class HierarchyScenes(JobTest):
             checked = self.run_alone("check", FOLDER / f"{name}.yaml")
             self.assertEqual((checked.code, checked.stderr.count("\n")), (0, 1), checked.stderr)
             self.assertIn("no problems found", checked.stderr)
-            told = self.run_alone("render", FOLDER / f"{name}.yaml", "-o", self.folder / "a.png", "--size", "32x30",
+            told = self.run_alone("render", FOLDER / f"{name}.yaml", "-o", self.folder / "a.png", "--size", "32x30", "--fit", "width",
                                   *(["--max-depth", depth] if depth else []))
             self.assertEqual(told.code, 0, told.stderr)
             self.assertNotIn("rayfarm:", told.stderr)  # so begins all that is noted
@@ -166,7 +166,7 @@ class ZoneScenes(JobTest):
             for option, few in (("--zone-rays", "1000"), ("--zone-samples", "1"), ("--samples", "1"), ("--zone-size", "0.5")):
                 if option in options:
                     options[options.index(option) + 1] = few
-            told = self.run_alone("render", SCENES.parent / scene, "-o", self.folder / "a.png", *options, "--size", "12x9")
+            told = self.run_alone("render", SCENES.parent / scene, "-o", self.folder / "a.png", *options, "--size", "12x9", "--fit", "width")
             self.assertEqual(told.code, 0, told.stderr)
             self.assertNotIn("rayfarm:", told.stderr)  # so begins all that is noted
 
