@@ -98,7 +98,7 @@ bool shines_at_something(const Scene& scene, const Lamp& lamp, double hair, cons
 /// Where the camera's rays go; nothing if that is not a pyramid.
 std::vector<HalfSpace> seen_by(const Camera& camera, int width_px, int height_px) {
   if (camera.projection != Projection::perspective || camera.near > 0 || std::isfinite(camera.far)) return {};
-  const Vec3 forward = glm::cross(camera.up, camera.right);
+  const Vec3& forward = camera.forward;
   const Vec3 right = static_cast<double>(width_px) * camera.per_x,
              down = static_cast<double>(height_px) * camera.per_y;
   const std::array<Vec3, 4> corners{camera.top_left, camera.top_left + right, camera.top_left + right + down,

@@ -93,25 +93,16 @@ Color eval_source(const Scene& scene, const PrincipledSource& source, const Text
 
 PrincipledPoint eval_principled_point(const Scene& scene, const Material& material, const TexturePoint& at) {
   const PrincipledMaterial& m = scene.principled[material.principled];
-  const auto number = [&](PrincipledInput input) { return scalar(scene, m[input], at); };
   const auto color = [&](PrincipledInput input) {
     return glm::max(scene.head().channels_from_rgb * eval_source(scene, m[input], at), Color(0));
   };
-  PrincipledPoint p;
+  PrincipledPoint p =
+      principled_point(m, material, [&](PrincipledInput input) { return scalar(scene, m[input], at); });
   // What is not textured keeps its digits: the pass's colours are the material's.
   const bool is_plain = m[PrincipledInput::base_color].texture == kNone;
   p.base =
       glm::min(is_plain ? material.color : material.color * color(PrincipledInput::base_color), Color(1));
   p.specular_color = color(PrincipledInput::specular_color);
-  p.metallic = number(PrincipledInput::metallic);
-  p.roughness = number(PrincipledInput::roughness);
-  p.specular = number(PrincipledInput::specular);
-  p.transmission = number(PrincipledInput::transmission);
-  p.coat = number(PrincipledInput::clearcoat);
-  p.coat_roughness = number(PrincipledInput::clearcoat_roughness);
-  p.ior = m.ior;
-  p.is_solid = material.is_solid != 0;
-  p.is_black = material.is_unlit != 0;
   return p;
 }
 

@@ -165,12 +165,6 @@ Reflection reflection(const Vec3& normal, const Vec3& to_viewer, const Vec3& dir
   return {pdf, pdf * ggx_shadowing(light, alpha)};
 }
 
-double total_luminance_of(const Lobes& lobes) {
-  double total = 0;
-  for (const Lobe& lobe : lobes) total += luminance(lobe.attenuation);
-  return total;
-}
-
 /// Light from behind that facets bend or, of a sheet, only spread.
 void add_transmitted(double share, const PrincipledPoint& p, const Interaction& at,
                      const PrincipledLayers& surfaces, const Vec3& direction, Scattered& result) {
@@ -222,18 +216,10 @@ void finish_principled(PrincipledMaterial& principled, Material& material) {
       principled.has_textures = 1;
   const PrincipledSource& opacity = principled[PrincipledInput::opacity];
   const double whole = principled.cutoff > 0 ? principled.cutoff : 1;
-  const auto number = [&](PrincipledInput input) { return principled[input].factor.x; };
-  PrincipledPoint without_textures;
+  PrincipledPoint without_textures = principled_point(
+      principled, material, [&](PrincipledInput input) { return principled[input].factor.x; });
   without_textures.base = material.color;
   without_textures.specular_color = principled[PrincipledInput::specular_color].factor;
-  without_textures.metallic = number(PrincipledInput::metallic);
-  without_textures.roughness = number(PrincipledInput::roughness);
-  without_textures.specular = number(PrincipledInput::specular);
-  without_textures.transmission = number(PrincipledInput::transmission);
-  without_textures.coat = number(PrincipledInput::clearcoat);
-  without_textures.ior = principled.ior;
-  without_textures.is_solid = material.is_solid != 0;
-  without_textures.is_black = material.is_unlit != 0;
   set_nearest_coefficients(without_textures, material);
   material.kind = MaterialKind::principled;
   material.is_pierced = opacity.texture != kNone || opacity.factor.x < whole || principled.is_one_sided != 0;
@@ -278,7 +264,7 @@ void scatter_principled(const PrincipledPoint& p, const Interaction& at, Lobes& 
 Scattered eval_principled(const Lobes& lobes, const Interaction& at, const Vec3& direction) {
   const PrincipledPoint& p = *at.principled;
   Scattered result;
-  const double total = total_luminance_of(lobes), light = glm::dot(at.normal, direction);
+  const double total = total_luminance(lobes), light = glm::dot(at.normal, direction);
   if (!(total > 0)) return result;
   const PrincipledLayers surfaces(p, at);
   const Vec3 half = normalized(at.to_viewer + direction);
@@ -310,15 +296,9 @@ Scattered eval_principled(const Lobes& lobes, const Interaction& at, const Vec3&
 
 ScatteredRay sample_principled(const Lobes& lobes, const Interaction& at, const Vec2& u, double choice) {
   const PrincipledPoint& p = *at.principled;
-  const double total = total_luminance_of(lobes);
-  if (!(total > 0)) return {};
-  double rest = choice * total;
-  size_t chosen = 0;
-  while (chosen + 1 < lobes.size() && rest >= luminance(lobes[chosen].attenuation))
-    rest -= luminance(lobes[chosen++].attenuation);
-  const Lobe& lobe = lobes[chosen];
-  const double probability = luminance(lobe.attenuation) / total;
+  const auto [found, probability] = choose_lobe(lobes, choice);
   if (!(probability > 0)) return {};
+  const Lobe& lobe = *found;
   ScatteredRay ray{lobe.axis, lobe.attenuation / probability, 0, lobe.spread, lobe.is_transmitted};
   if (lobe.spread == Lobe::Spread::perfect) return ray;
   ray.weight = Color(0);

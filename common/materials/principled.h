@@ -69,6 +69,22 @@ struct PrincipledPoint {
   bool is_black = false;  ///< it scatters nothing (unlit)
 };
 
+/// With all but its colours. `number(input)`: what an input is there.
+template <typename Number>
+PrincipledPoint principled_point(const PrincipledMaterial& m, const Material& material, Number number) {
+  PrincipledPoint p;
+  p.metallic = number(PrincipledInput::metallic);
+  p.roughness = number(PrincipledInput::roughness);
+  p.specular = number(PrincipledInput::specular);
+  p.transmission = number(PrincipledInput::transmission);
+  p.coat = number(PrincipledInput::clearcoat);
+  p.coat_roughness = number(PrincipledInput::clearcoat_roughness);
+  p.ior = m.ior;
+  p.is_solid = material.is_solid != 0;
+  p.is_black = material.is_unlit != 0;
+  return p;
+}
+
 void scatter_principled(const PrincipledPoint& p, const Interaction& at, Lobes& lobes);
 Scattered eval_principled(const Lobes& lobes, const Interaction& at, const Vec3& direction);
 ScatteredRay sample_principled(const Lobes& lobes, const Interaction& at, const Vec2& direction, double lobe);

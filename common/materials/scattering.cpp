@@ -16,13 +16,23 @@ double pdf(const Lobe& lobe, const Vec3& direction) {
   return lobe.spread == Lobe::Spread::diffuse ? cosine_pdf(cosine) : phong_pdf(cosine, lobe.exponent);
 }
 
+}  // namespace
+
 double total_luminance(const Lobes& lobes) {
   double total = 0;
   for (const Lobe& lobe : lobes) total += luminance(lobe.attenuation);
   return total;
 }
 
-}  // namespace
+ChosenLobe choose_lobe(const Lobes& lobes, double choice) {
+  const double total = total_luminance(lobes);
+  if (!(total > 0)) return {};
+  double rest = choice * total;
+  size_t chosen = 0;
+  while (chosen + 1 < lobes.size() && rest >= luminance(lobes[chosen].attenuation))
+    rest -= luminance(lobes[chosen++].attenuation);
+  return {&lobes[chosen], luminance(lobes[chosen].attenuation) / total};
+}
 
 Scattered eval(const Lobes& lobes, const Interaction& at, const Vec3& direction) {
   if (at.principled) return eval_principled(lobes, at, direction);
@@ -39,15 +49,9 @@ Scattered eval(const Lobes& lobes, const Interaction& at, const Vec3& direction)
 
 ScatteredRay sample(const Lobes& lobes, const Interaction& at, const Vec2& direction, double choice) {
   if (at.principled) return sample_principled(lobes, at, direction, choice);
-  const double total = total_luminance(lobes);
-  if (!(total > 0)) return {};
-  double rest = choice * total;
-  size_t chosen = 0;
-  while (chosen + 1 < lobes.size() && rest >= luminance(lobes[chosen].attenuation))
-    rest -= luminance(lobes[chosen++].attenuation);
-  const Lobe& lobe = lobes[chosen];
-  const double probability = luminance(lobe.attenuation) / total;
+  const auto [found, probability] = choose_lobe(lobes, choice);
   if (!(probability > 0)) return {};
+  const Lobe& lobe = *found;
   ScatteredRay ray{lobe.axis, lobe.attenuation / probability, 0, lobe.spread, lobe.is_transmitted};
   if (lobe.spread == Lobe::Spread::perfect) return ray;
   const Vec3 local = lobe.spread == Lobe::Spread::diffuse ? sample_cosine(direction)

@@ -65,6 +65,15 @@ struct ScatteredRay {
 };
 ScatteredRay sample(const Lobes& lobes, const Interaction& at, const Vec2& direction, double lobe);
 
+/// Of what all lobes scatter.
+double total_luminance(const Lobes& lobes);
+/// A lobe chosen by luminance.
+struct ChosenLobe {
+  const Lobe* lobe = nullptr;
+  double probability = 0;  ///< 0: there is none that scatters anything
+};
+ChosenLobe choose_lobe(const Lobes& lobes, double choice);
+
 /// The mirror direction, and the refracted one (zero on total internal reflection).
 inline Vec3 mirrored(const Interaction& at) {
   return normalized(2 * glm::dot(at.to_viewer, at.normal) * at.normal - at.to_viewer);

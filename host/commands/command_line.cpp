@@ -102,7 +102,7 @@ Option Options::number(const std::string& names, std::optional<int>& target, int
 }
 Option Options::number(const std::string& names, std::optional<double>& target, double least, double most,
                        const std::string& help) {
-  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+  return add(command_->add_option(names, target, help)->check(in_range(least, most)));
 }
 Option Options::number(const std::string& names, uint32_t& target, uint32_t least, uint32_t most,
                        const std::string& help) {

@@ -149,20 +149,24 @@ double ZoneMap::find_size() const {
 }
 
 double ZoneMap::parts_of(const ZoneGrid& grid, double length) const {
+  return std::max(1.0, std::ceil(length / size_of(grid) * (1 - 1e-9)));
+}
+
+double ZoneMap::size_of(const ZoneGrid& grid) const {
   const double own = scene_.materials[grid.material].zone_size;
-  return std::max(1.0, std::ceil(length / (own > 0 ? own : size_) * (1 - 1e-9)));
+  return own > 0 ? own : size_;
 }
 
 /// Cells that are asked for may be beyond all bounds.
 void ZoneMap::reserve_cells(ZoneGrid& grid, double columns, double rows, bool is_triangle) {
   if (!(columns * rows + static_cast<double>(areas_.size()) < static_cast<double>(most_cells_)) ||
       !((columns + 1) * (rows + 1) + static_cast<double>(corners_) < kNone)) {
-    const double own = scene_.materials[grid.material].zone_size;
     throw std::runtime_error(fmt::format(
         "zones of size {:g} would be more than {}, which is what the memory for them holds; {}, or more "
         "--zone-memory, is needed",
-        own > 0 ? own : size_, most_cells_,
-        own > 0 ? "larger `zones` in the scene" : "a larger --zone-size"));
+        size_of(grid), most_cells_,
+        scene_.materials[grid.material].zone_size > 0 ? "larger `zones` in the scene"
+                                                      : "a larger --zone-size"));
   }
   grid.first_cell = static_cast<uint32_t>(areas_.size());
   grid.cell_count = static_cast<uint32_t>(columns * rows);

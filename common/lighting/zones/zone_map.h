@@ -141,6 +141,8 @@ class ZoneMap {
   Vec2 revolved_parameters(const ZoneGrid& grid, uint32_t cell, const Vec2& u) const;
   RevolvedCells::Point revolved_point(const ZoneGrid& grid, const RevolvedCells& cells, const Vec2& uv) const;
   void reserve_cells(ZoneGrid& grid, double columns, double rows, bool is_triangle);
+  /// Its material's own, or size().
+  double size_of(const ZoneGrid& grid) const;
   /// Into how many zones of the grid's material that length is cut.
   double parts_of(const ZoneGrid& grid, double length) const;
 
