@@ -150,6 +150,8 @@ struct MeshShape {
   LargeVector<uint32_t> materials;  ///< empty, or one per triangle
   LargeVector<glm::vec2> uvs;
   LargeVector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
+  LargeVector<glm::vec2> second_uvs;     ///< empty, or one per position; polygons have none
+  LargeVector<VertexColor> colors;       ///< empty, or one per position
   Smoothing smoothing = Smoothing::flat;
 };
 using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PolygonShape, MeshShape>;
