@@ -32,7 +32,9 @@ namespace rayfarm {
 namespace limits {
 inline constexpr uintmax_t kFileBytes = 4ull << 30;  ///< OBJ and NFF
 inline constexpr uintmax_t kYamlFileBytes = 256ull << 20;
-inline constexpr size_t kNestingDepth = 64;  ///< objects inside objects
+inline constexpr size_t kNestingDepth = 64;  ///< objects inside objects in YAML
+inline constexpr size_t kObjectDepth =
+    1000;  ///< in all formats: the tree is walked by functions that call themselves
 inline constexpr size_t kObjects = 1'000'000;
 inline constexpr size_t kPrimitives = 400'000'000;
 inline constexpr size_t kSolidFaces = 250'000;         ///< of a lathe

@@ -79,9 +79,9 @@ void check_cycles_and_depth(const SceneDescription& scene) {
         stack.pop_back();
         if (!stack.empty())
           height[stack.back().object] = std::max(height[stack.back().object], height[finished] + 1);
-        if (height[finished] > limits::kNestingDepth)
+        if (height[finished] > limits::kObjectDepth)
           fail(scene, object.place,
-               fmt::format("objects are nested more than {} deep", limits::kNestingDepth));
+               fmt::format("objects are nested more than {} deep", limits::kObjectDepth));
         continue;
       }
       const ChildDescription& child = object.children[frame.next_child++];

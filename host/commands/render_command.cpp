@@ -9,6 +9,7 @@
 #include "host/commands/commands.h"
 #include "host/commands/hierarchy_options.h"
 #include "host/commands/job_options.h"
+#include "host/commands/load_options.h"
 #include "host/commands/net_options.h"
 #include "host/commands/zone_options.h"
 #include "host/render/output_pattern.h"
@@ -299,7 +300,8 @@ void add_render_command(CommandLine& line) {
   verb.run = [o](const Renders& renders) { return renders.as_launched(*o); };
   verb.is_for_all_ranks = true;
   Options options = line.add(std::move(verb));
-  options.text("SCENE", o->scene, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", o->scene, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  add_load_options(options, o->load);
   add_picture(options, *o);
   add_light(options, *o);
   options.begin_group("Zones (--lighting radiosity and zonal)");

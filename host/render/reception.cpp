@@ -19,8 +19,9 @@ constexpr double kLongReading_s = 1;
 class SceneLoading {
  public:
   explicit SceneLoading(const RenderOptions& options)
-      : future_(std::async(std::launch::async | std::launch::deferred, load, options.scene, options.build,
-                           options.settings.self_hit, &reading_, &building_, stop_.get_token())) {}
+      : future_(std::async(std::launch::async | std::launch::deferred, load, options.scene, options.load,
+                           options.build, options.settings.self_hit, &reading_, &building_,
+                           stop_.get_token())) {}
   ~SceneLoading() { stop_.request_stop(); }
   SceneLoading(const SceneLoading&) = delete;
   SceneLoading& operator=(const SceneLoading&) = delete;
@@ -33,11 +34,13 @@ class SceneLoading {
   const BuildProgress& building() const { return building_; }
 
  private:
-  static LoadedScene load(const std::string& path, BuildOptions build, SelfHit self_hit,
+  static LoadedScene load(const std::string& path, LoadOptions how, BuildOptions build, SelfHit self_hit,
                           ReadProgress* reading, BuildProgress* building, std::stop_token stop) {
     LoadedScene loaded;
     const double begin = now_s();
-    loaded.description = load_scene(path, {.stop = stop, .progress = reading});
+    how.stop = stop;
+    how.progress = reading;
+    loaded.description = load_scene(path, how);
     loaded.load_s = now_s() - begin;
     build.progress = building;
     build.stop = std::move(stop);

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <istream>
 #include <map>
+#include <tuple>
 
 #include "common/description/describe_part.h"
 #include "common/description/formats/mesh_loaders.h"
@@ -17,23 +18,12 @@
 #include "common/description/formats/yaml_structures.h"
 #include "common/description/formats/yaml_textures.h"
 #include "common/description/formats/yaml_view.h"
+#include "common/description/primitive_counts.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
 
 namespace rayfarm {
 namespace {
-
-/// True if some face of a mesh, or a primitive that is none, has the material.
-bool has_material(const PrimitiveDescription& primitive, uint32_t material) {
-  const auto* mesh = std::get_if<MeshShape>(&primitive.shape);
-  if (!mesh) return primitive.material == material;
-  const auto has = [&](std::span<const uint32_t> materials, size_t faces) {
-    return materials.empty() ? faces > 0 && primitive.material == material
-                             : std::find(materials.begin(), materials.end(), material) != materials.end();
-  };
-  return has(mesh->materials, mesh->triangles.size()) ||
-         has(mesh->polygons.materials, mesh->polygons.sides.size());
-}
 
 /// Lists of numbers that are shorter are left to the library: 256 bytes are some ten points.
 constexpr size_t kLeastListBytes = 256;
@@ -335,13 +325,24 @@ class Loader {
     const std::string path = (std::filesystem::path(folder()) / file.text()).string();
     const MeshFormat* format = find_mesh_format(path);
     if (!format) file.fail(fmt::format("a mesh is read from {}; export it as one", mesh_extensions()));
-    const size_t first_object = scene_.objects.size(),
+    // What came as an object of its own is used again.
+    uint32_t& known =
+        mesh_files_.try_emplace({path, inherited.material, smoothing, inherited.zone_size}, kNone)
+            .first->second;
+    if (known != kNone) {
+      scene_.objects[object].children.push_back({known, {}, value.place()});
+      return;
+    }
+    const size_t first_object = scene_.objects.size(), first_child = scene_.objects[object].children.size(),
                  first_primitive = scene_.objects[object].primitives.size();
     try {
       format->load(scene_, object, {path, inherited.material, smoothing, value.place()}, options_);
     } catch (const IoError& e) {
       file.fail(e.what());
     }
+    const ObjectDescription& made = scene_.objects[object];
+    if (made.primitives.size() == first_primitive && made.children.size() == first_child + 1)
+      known = made.children.back().object;
     if (own_material) {
       bool is_used = false;
       visit_added(object, first_primitive, first_object, [&](const PrimitiveDescription& primitive) {
@@ -366,6 +367,7 @@ class Loader {
   std::vector<std::string> material_names_, object_names_;
   std::map<std::string, uint32_t> object_ids_, part_files_;
   std::map<std::pair<uint32_t, float>, uint32_t> zoned_materials_;
+  std::map<std::tuple<std::string, uint32_t, Smoothing, float>, uint32_t> mesh_files_;
 };
 
 }  // namespace
