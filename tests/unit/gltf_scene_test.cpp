@@ -39,6 +39,21 @@ TEST(GltfScene, NodesStandInEachOtherAndShareMeshes) {
   EXPECT_NE(notes_of(compiled).find("of 2 scenes one is shown"), std::string::npos);
 }
 
+TEST(GltfScene, CopiesOfAMeshAreInstances) {
+  TinyGltf file;
+  const size_t places = file.vectors({0, 0, 0, 0, 0, 5, 7, 0, 0}),
+               sizes = file.vectors({1, 1, 1, 2, 3, 1, 1, 1, 1});
+  const CompiledScene compiled = compile(file.load(square_and(
+      file, fmt::format(
+                R"("nodes": [{{"mesh": 0, "translation": [1, 0, 0], "extensions": {{"EXT_mesh_gpu_instancing":
+      {{"attributes": {{"TRANSLATION": {}, "SCALE": {}}}}}}}}}])",
+                places, sizes))));
+  EXPECT_EQ(compiled.scene.parts.size(), 1u);
+  ASSERT_EQ(compiled.scene.instances.size(), 3u);
+  expect_box(compiled.scene.poses[1].bounds, {1, 0, 5}, {3, 3, 5});
+  expect_box(compiled.scene.poses[2].bounds, {8, 0, 0}, {9, 1, 0});
+}
+
 TEST(GltfScene, DeepTreesStand) {
   TinyGltf file;
   std::string nodes = R"({"mesh": 0, "translation": [1, 0, 0]})";

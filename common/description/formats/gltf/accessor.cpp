@@ -13,7 +13,8 @@ struct ElementShape {
   const char* name;
   size_t components;
 };
-constexpr ElementShape kElementShapes[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}};
+constexpr ElementShape kElementShapes[] = {
+    {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}};
 
 }  // namespace
 

@@ -7,20 +7,8 @@
 namespace rayfarm {
 namespace {
 
-/// In place of a scale of 0, which would leave nothing to be turned back into the object's space.
 constexpr double kLeastScale = 1e-6;
 constexpr double kMostFrame = 9'999'999;
-
-Vec4 nonzero_scale(Vec4 s) {
-  for (int c = 0; c < 3; ++c)
-    if (std::abs(s[c]) < kLeastScale) s[c] = std::copysign(kLeastScale, s[c]);
-  return s;
-}
-
-Vec4 unit_quaternion(const Vec4& q) {
-  const double length = std::sqrt(glm::dot(q, q));
-  return length > 0 ? q / length : Vec4(0, 0, 0, 1);
-}
 
 /// Which clip the options ask for.
 size_t clip_index(const GltfFile& file) {
@@ -43,6 +31,17 @@ size_t clip_index(const GltfFile& file) {
 }
 
 }  // namespace
+
+Vec4 nonzero_scale(Vec4 s) {
+  for (int c = 0; c < 3; ++c)
+    if (std::abs(s[c]) < kLeastScale) s[c] = std::copysign(kLeastScale, s[c]);
+  return s;
+}
+
+Vec4 unit_quaternion(const Vec4& q) {
+  const double length = std::sqrt(glm::dot(q, q));
+  return length > 0 ? q / length : Vec4(0, 0, 0, 1);
+}
 
 Affine eval_steps(const std::vector<TransformStep>& steps, double frame) {
   Affine all;

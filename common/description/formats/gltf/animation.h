@@ -23,7 +23,7 @@ class GltfAnimation {
   /// From the first frame to the clip's last; none if the file has no clip.
   std::optional<std::array<int, 2>> frames() const { return frames_; }
 
-  /// How a node stands in the one that it is in. Scales of 0 become a millionth.
+  /// How a node stands in the one that it is in.
   std::vector<TransformStep> transform_of(uint32_t node) const;
   /// The weights of a node's morph targets, `count` of them.
   std::vector<Curve> weights_of(uint32_t node, size_t count) const;
@@ -39,6 +39,11 @@ class GltfAnimation {
   std::optional<std::array<int, 2>> frames_;
   double last_frame_ = 0;
 };
+
+/// With a millionth in place of 0, of which nothing could be turned back into the object's space.
+Vec4 nonzero_scale(Vec4 scale);
+/// Its direction; no rotation if it has none.
+Vec4 unit_quaternion(const Vec4& q);
 
 /// What all steps come to in a frame.
 Affine eval_steps(const std::vector<TransformStep>& steps, double frame);

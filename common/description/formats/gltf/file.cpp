@@ -94,8 +94,9 @@ void GltfFile::open_glb() {
   if (const uint32_t version = word_at(glb_, 4); version != 2)
     throw InputError({path_},
                      fmt::format("it is a binary glTF of version {}, but 2 is what is read", version));
-  if (word_at(glb_, 8) > glb_.size()) damaged("it is shorter than its header says");
   const size_t end = word_at(glb_, 8);
+  if (end > glb_.size()) damaged("it is shorter than its header says");
+  if (end < 20) damaged("its header leaves no room for a chunk");
   for (size_t at = 12; at + 8 <= end;) {
     const size_t size = word_at(glb_, at);
     if (size > end - at - 8) damaged("a chunk is longer than the file");

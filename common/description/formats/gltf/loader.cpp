@@ -15,7 +15,8 @@ constexpr const char* kExtensions[] = {
     "KHR_lights_punctual",   "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
     "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_transmission",
     "KHR_materials_unlit",   "KHR_materials_volume",    "KHR_mesh_quantization",
-    "KHR_texture_transform", "EXT_meshopt_compression", "EXT_texture_webp"};
+    "KHR_texture_transform", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+    "EXT_texture_webp"};
 
 bool is_known(const std::string& extension) {
   return std::find(std::begin(kExtensions), std::end(kExtensions), extension) != std::end(kExtensions);
@@ -58,7 +59,11 @@ SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& opt
     set_view(file, animation, nodes.cameras(), scene);
   else
     look_at(bounds_of_object(scene, root, 0), scene.view);
-  if (nodes.light_count() == 0) {
+  const bool shines = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+    return m.emission != Color(0) && !m.is_unlit;
+  });
+  if (nodes.light_count() == 0 && !shines) {
+    scene.notes.add({path}, "the file has no lights; one shines from beside the viewer");
     Light& light = scene.lights.emplace_back();
     light.kind = LightKind::distant;
     light.direction = normalized(Vec3(-1, -2, -3));

@@ -179,7 +179,8 @@ void GltfNodes::add_mesh(uint32_t node, uint32_t mesh) {
     }
     if (known->second == kNone) return;
     const uint32_t user = object_of(node);
-    scene_.objects[user].children.push_back({known->second, {}, place_});
+    for (std::vector<TransformStep>& copy : copies_of(value))
+      scene_.objects[user].children.push_back({known->second, std::move(copy), place_});
     return;
   }
   GltfDeformer deformer;
@@ -206,6 +207,44 @@ void GltfNodes::add_mesh(uint32_t node, uint32_t mesh) {
     }
     scene_.objects[object].primitives.push_back(std::move(primitive));
   }
+}
+
+std::vector<std::vector<TransformStep>> GltfNodes::copies_of(const GltfValue& node) const {
+  const auto extension = node.extension("EXT_mesh_gpu_instancing");
+  if (!extension) return {{}};
+  const GltfValue attributes = extension->at("attributes");
+  std::vector<Affine> places;
+  const auto apply = [&](const char* key, TransformKind kind, size_t parts) {
+    const uint32_t index = attributes.index(key, file_.count("accessors"));
+    if (index == kNone) return;
+    const GltfAccessor accessor(file_, index);
+    accessor.expect_components({parts});
+    if (places.empty() && accessor.count() <= limits::kInstances) {
+      file_.take_elements(attributes, accessor.count());
+      places.resize(accessor.count());
+    }
+    if (places.size() != accessor.count())
+      attributes.at(key).fail("it makes too many copies, or others than the attribute beside it");
+    const LargeVector<float> values = accessor.all<float>();
+    for (size_t i = 0; i < places.size(); ++i) {
+      Vec4 value(0);
+      for (size_t c = 0; c < parts; ++c)
+        value[static_cast<int>(c)] = static_cast<double>(values[parts * i + c]);
+      if (!is_finite(Vec3(value)) || !std::isfinite(value.w))
+        attributes.at(key).fail(fmt::format("copy {} has numbers that are none", i));
+      value = kind == TransformKind::scale    ? nonzero_scale(value)
+              : kind == TransformKind::orient ? unit_quaternion(value)
+                                              : value;
+      places[i] = eval_transform(kind, value, {}, {}) * places[i];
+    }
+  };
+  apply("SCALE", TransformKind::scale, 3);
+  apply("ROTATION", TransformKind::orient, 4);
+  apply("TRANSLATION", TransformKind::translate, 3);
+  std::vector<std::vector<TransformStep>> copies;
+  for (const Affine& place : places)
+    copies.push_back({{TransformKind::matrix, constant_curve(Vec4(0)), {}, place}});
+  return copies;
 }
 
 void GltfNodes::add_light(uint32_t node, const GltfValue& use) {

@@ -32,6 +32,8 @@ class GltfNodes {
   void make_skeleton();
   void add_content(uint32_t node);
   void add_mesh(uint32_t node, uint32_t mesh);
+  /// How its mesh stands in a node, once for each copy.
+  std::vector<std::vector<TransformStep>> copies_of(const GltfValue& node) const;
   void add_light(uint32_t node, const GltfValue& use);
   uint32_t object_of(uint32_t node);
   uint32_t add_object(std::string name);
