@@ -36,15 +36,4 @@ PrimitiveCounts count_copies(const SceneDescription& scene) {
   return count(scene.root);
 }
 
-bool has_material(const PrimitiveDescription& primitive, uint32_t material) {
-  const auto* mesh = std::get_if<MeshShape>(&primitive.shape);
-  if (!mesh) return primitive.material == material;
-  const auto has = [&](std::span<const uint32_t> materials, size_t faces) {
-    return materials.empty() ? faces > 0 && primitive.material == material
-                             : std::find(materials.begin(), materials.end(), material) != materials.end();
-  };
-  return has(mesh->materials, mesh->triangles.size()) ||
-         has(mesh->polygons.materials, mesh->polygons.sides.size());
-}
-
 }  // namespace rayfarm

@@ -22,7 +22,4 @@ PrimitiveCounts count_primitives(const SceneDescription& scene, const ObjectDesc
 /// Of the scene, those of an object once for every copy of it. The description must be valid.
 PrimitiveCounts count_copies(const SceneDescription& scene);
 
-/// True if some face of a mesh, or a primitive that is none, has the material.
-bool has_material(const PrimitiveDescription& primitive, uint32_t material);
-
 }  // namespace rayfarm

@@ -7,6 +7,7 @@
 #include "host/commands/compile_and_look.h"
 #include "host/commands/hierarchy_options.h"
 #include "host/commands/load_options.h"
+#include "host/commands/scene_choices.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
 
@@ -28,6 +29,7 @@ void list_files_outside(const SceneDescription& scene) {
 
 int check(const std::string& path, const LoadOptions& load, const BuildOptions& build) {
   const SceneDescription scene = load_scene(path, load);
+  check_scene_choices(scene);
   const CompiledScene compiled = compile_and_look(scene, build);
   for (const std::string& file : scene.files) fmt::print("{}\n", file);
   list_files_outside(scene);
