@@ -1,6 +1,9 @@
 #include "common/compile/compile.h"
 
+#include <deque>
+
 #include "common/compile/darkness.h"
+#include "common/compile/deforming.h"
 #include "common/compile/libraries.h"
 #include "common/compile/lights.h"
 #include "common/compile/materials.h"
@@ -60,8 +63,10 @@ class PartCompiler {
         part_of_(description.objects.size(), kNone) {}
 
   void add_all() {
-    for (const std::vector<FixedObject>& part : objects_by_parts(description_, purpose_ == Purpose::library))
-      add(part);
+    const auto parts = objects_by_parts(description_, purpose_ == Purpose::library);
+    add_deforming(parts);
+    for (const std::vector<FixedObject>& part : parts)
+      if (!is_deforming(part[0].object)) add(part);
     if (!arrays_.triangle_uvs.empty())
       arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size(), kNoUv);
     if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size(), kNoUv);
@@ -76,6 +81,11 @@ class PartCompiler {
   size_t built() const { return built_; }  ///< primitives that were given to the builder
   void add_notes(Notes& notes) const {
     shapes_.add_notes(notes);
+    if (structured_ > 0 || (!deforming_.empty() && options_.hierarchy != Hierarchy::sah))
+      notes.add(
+          description_.source(description_.objects[deforming_[0]].place),
+          "what changes its shape from frame to frame has volumes by the surface area heuristic (`sah`), "
+          "whatever hierarchy was asked for: they can be refitted");
     luminaires_.add_notes(description_, notes);
     for (size_t i = 0; i < in_use_.structures.size(); ++i)
       if (!in_use_.structures[i])
@@ -86,6 +96,43 @@ class PartCompiler {
   }
 
  private:
+  bool is_deforming(uint32_t object) const {
+    return std::binary_search(deforming_.begin(), deforming_.end(), object);
+  }
+
+  /// Those of objects that change their shape.
+  void add_deforming(std::span<const std::vector<FixedObject>> parts) {
+    for (const std::vector<FixedObject>& part : parts) {
+      const ObjectDescription& object = description_.objects[part[0].object];
+      if (!changes_shape(description_, object)) continue;
+      if (purpose_ == Purpose::library)
+        throw InputError(
+            description_.source(object.place),
+            fmt::format("'{}' changes its shape from frame to frame (by a skin or morph targets), and a "
+                        "file of compiled objects can't hold that; use the scene itself",
+                        object.name));
+      deforming_.push_back(part[0].object);
+      if (object.structure == kNone) continue;
+      in_use_.structures[object.structure] = true;
+      ++structured_;
+    }
+    std::sort(deforming_.begin(), deforming_.end());
+    add_deforming_parts(arrays_, description_, deforming_, options_, part_of_);
+    for (const DeformingPart& part : arrays_.deforming_parts) built_ += part.triangle_count;
+    luminous_of_.resize(arrays_.parts.size());
+    for (const uint32_t object : deforming_)
+      for (const PrimitiveDescription& p : description_.objects[object].primitives)
+        if (shines(std::get<MeshShape>(p.shape), p.material)) luminaires_.add_deforming(p.place);
+  }
+
+  bool shines(const MeshShape& mesh, uint32_t material) const {
+    const auto is_luminous = [&](uint32_t m) {
+      return is_luminaire(arrays_.materials[m]) && !arrays_.materials[m].is_no_lamp;
+    };
+    return mesh.materials.empty() ? is_luminous(material)
+                                  : std::any_of(mesh.materials.begin(), mesh.materials.end(), is_luminous);
+  }
+
   /// Makes the primitives of `objects` one part, which moves with the first.
   void add(const std::vector<FixedObject>& objects) {
     const uint32_t owner = objects[0].object;
@@ -127,6 +174,7 @@ class PartCompiler {
       throw InputError(description_.source(description_.objects[owner].place), e.what());
     }
     luminous_of_.push_back(luminaires_.take());
+    still_.clear();
   }
 
   /// Adds what is described of an object to the group: one object of it, but of what stands in the scene
@@ -136,7 +184,11 @@ class PartCompiler {
     GroupObject described{object, object == group.owner ? kNone : parent, count(), 0};
     const bool are_apart = object == description_.root && purpose_ == Purpose::pictures;
     for (const PrimitiveDescription& p : description_.objects[object].primitives) {
-      shapes_.add(group.primitives, p);
+      const auto* mesh = std::get_if<MeshShape>(&p.shape);
+      if (mesh && mesh->deformation)
+        shapes_.add(group.primitives, still_.emplace_back(make_still(description_, p)));
+      else
+        shapes_.add(group.primitives, p);
       if (!are_apart) continue;
       described.count = count() - described.first;
       group.objects.push_back(described);
@@ -170,6 +222,10 @@ class PartCompiler {
   size_t built_ = 0;
   std::vector<std::optional<uint32_t>> libraries_;  ///< where the parts of each begin, once they are there
   InUse in_use_;
+  std::vector<uint32_t> deforming_;  ///< objects, in order
+  size_t structured_ = 0;            ///< of them, that ask for a structure
+  std::deque<PrimitiveDescription>
+      still_;  ///< meshes whose skin or targets never change, until they are built
   std::vector<PlacedObject> placed_;
   std::vector<uint32_t> part_of_;
   std::vector<std::vector<Luminous>> luminous_of_;

@@ -240,13 +240,38 @@ HWY_INLINE bool walk_part(const Scene& scene, uint32_t instance, Walker& walker)
   return walker.search(scene, collection, instance);
 }
 
+/// Does `walk(shapes)` with the search in the part of an instance that the frame has reshaped.
+template <typename Search, typename Walk>
+HWY_INLINE bool walk_shapes(const Scene& scene, const Pose& pose, uint32_t instance, Search& search,
+                            Walk walk) {
+  const Scene& shapes = pose.shape_of(instance, scene);
+  search.look_in(shapes);
+  const bool is_over = walk(shapes);
+  search.look_in(scene);
+  return is_over;
+}
+
+/// Walks the part of an instance that the frame has reshaped.
+template <typename Search>
+HWY_NOINLINE bool walk_deformed(const Scene& scene, const Pose& pose, uint32_t instance,
+                                const PreparedRay& world, Search& search) {
+  const InstancePose& place = pose[instance];
+  const PreparedRay local = place.is_identity ? world : PreparedRay(world, place.object_from_world);
+  return walk_shapes(scene, pose, instance, search, [&](const Scene& shapes) HWY_ATTR {
+    SingleWalker walker(local, search);
+    return walk_part(shapes, instance, walker);
+  });
+}
+
 template <typename Search>
 HWY_NOINLINE bool walk_instances(const Scene& scene, const Pose& pose, const ChildRef& leaf,
                                  const PreparedRay& world, Search& search) {
   for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
     const InstancePose& place = pose[instance];
     if (place.is_hidden) continue;
-    if (place.is_identity) {
+    if (HWY_UNLIKELY(place.is_deformed)) {
+      if (walk_deformed(scene, pose, instance, world, search)) return true;
+    } else if (place.is_identity) {
       SingleWalker walker(world, search);
       if (walk_part(scene, instance, walker)) return true;
     } else {
@@ -295,6 +320,61 @@ HWY_INLINE bool search_for_one(const Scene& scene, const Pose& pose, const Prepa
   });
 }
 
+/// Walks the part of an instance, which stands in `world.scene`, with a bundle. Returns those of `rays` whose
+/// searches are not known to be over.
+template <typename Search>
+HWY_INLINE uint32_t walk_instance(uint32_t instance, const InstancePose& place, const Bundle<Search>& world,
+                                  const RayPacket& world_rays, const Packet& world_packet, uint32_t rays) {
+  const Scene& scene = *world.scene;
+  if (place.is_identity) {
+    PacketWalker<Search> walker(world_packet, world);
+    walk_part(scene, instance, walker);
+    return rays;
+  }
+  for (uint32_t rest = rays; rest; rest &= rest - 1) {
+    const auto i = static_cast<size_t>(std::countr_zero(rest));
+    if (world.searches[i].is_over()) rays &= ~(1u << i);
+  }
+  if (rays == 0) return 0;
+  RayPacket local_rays;
+  copy_wanted_in_object(world_rays, place.object_from_world, rays, local_rays);
+  if (!are_packet(local_rays, rays)) {
+    for (uint32_t rest = rays; rest; rest &= rest - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(rest));
+      const PreparedRay ray(local_rays, i);
+      SingleWalker walker(ray, world.searches[i]);
+      walk_part(scene, instance, walker);
+    }
+    return rays;
+  }
+  Bundle<Search> local;
+  local.scene = &scene;
+  local.searches = world.searches;
+  local.held = rays;
+  Packet packet;
+  packet.join(local_rays, rays, local.rays.data());
+  PacketWalker<Search> walker(packet, local);
+  walk_part(scene, instance, walker);
+  return rays;
+}
+
+/// The same where the frame has reshaped the part.
+template <typename Search>
+HWY_NOINLINE uint32_t walk_deformed(const Scene& scene, const Pose& pose, uint32_t instance,
+                                    const Bundle<Search>& world, const RayPacket& world_rays,
+                                    const Packet& world_packet, uint32_t rays) {
+  Bundle<Search> in_shapes = world;
+  in_shapes.scene = &pose.shape_of(instance, scene);
+  const auto look_in = [&](const Scene& there) HWY_ATTR {
+    for (uint32_t rest = world.held; rest; rest &= rest - 1)
+      world.searches[static_cast<size_t>(std::countr_zero(rest))].look_in(there);
+  };
+  look_in(*in_shapes.scene);
+  rays = walk_instance(instance, pose[instance], in_shapes, world_rays, world_packet, rays);
+  look_in(scene);
+  return rays;
+}
+
 /// Walks the parts of a leaf of the object part with a bundle; `rays`: those that meet it, which alone are
 /// moved into the space of an instance. All lanes of `world_rays` are set.
 template <typename Search>
@@ -304,35 +384,10 @@ HWY_NOINLINE void walk_instances(const Scene& scene, const Pose& pose, const Chi
   for (const uint32_t instance : scene.leaf_instances.subspan(leaf.first, leaf.count())) {
     const InstancePose& place = pose[instance];
     if (place.is_hidden) continue;
-    if (place.is_identity) {
-      PacketWalker<Search> walker(world_packet, world);
-      walk_part(scene, instance, walker);
-      continue;
-    }
-    for (uint32_t rest = rays; rest; rest &= rest - 1) {
-      const auto i = static_cast<size_t>(std::countr_zero(rest));
-      if (world.searches[i].is_over()) rays &= ~(1u << i);
-    }
+    rays = HWY_UNLIKELY(place.is_deformed)
+               ? walk_deformed(scene, pose, instance, world, world_rays, world_packet, rays)
+               : walk_instance(instance, place, world, world_rays, world_packet, rays);
     if (rays == 0) return;
-    RayPacket local_rays;
-    copy_wanted_in_object(world_rays, place.object_from_world, rays, local_rays);
-    if (!are_packet(local_rays, rays)) {
-      for (uint32_t rest = rays; rest; rest &= rest - 1) {
-        const auto i = static_cast<size_t>(std::countr_zero(rest));
-        const PreparedRay ray(local_rays, i);
-        SingleWalker walker(ray, world.searches[i]);
-        walk_part(scene, instance, walker);
-      }
-      continue;
-    }
-    Bundle<Search> local;
-    local.scene = &scene;
-    local.searches = world.searches;
-    local.held = rays;
-    Packet packet;
-    packet.join(local_rays, rays, local.rays.data());
-    PacketWalker<Search> walker(packet, local);
-    walk_part(scene, instance, walker);
   }
 }
 

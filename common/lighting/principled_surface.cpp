@@ -50,6 +50,7 @@ Vec3 mapped_normal(const Scene& scene, const PrincipledSource& source, const Sur
 SurfacePatch patch_at(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
                       const Surface& surface) {
   const InstancePose& place = pose[hit.instance];
+  const Scene& shapes = pose.shape_of(hit.instance, scene);
   const Vec3 p_world = ray.origin + hit.t * ray.direction;
   const Vec3 p = place.in_object(p_world);
   const Frame frame(surface.geometric_normal);
@@ -63,10 +64,10 @@ SurfacePatch patch_at(const Scene& scene, const Pose& pose, const Ray& ray, cons
   };
   patch.dp_x = along(frame.tangent);
   patch.dp_y = along(frame.bitangent);
-  const Vec2 uv = surface_parameters(scene, hit, p);
+  const Vec2 uv = surface_parameters(shapes, hit, p);
   const auto wrapped = [](const Vec2& d) { return d - glm::round(d); };  // longitude jumps from 1 to 0
-  patch.duv_x = wrapped(surface_parameters(scene, hit, p + patch.dp_x) - uv);
-  patch.duv_y = wrapped(surface_parameters(scene, hit, p + patch.dp_y) - uv);
+  patch.duv_x = wrapped(surface_parameters(shapes, hit, p + patch.dp_x) - uv);
+  patch.duv_y = wrapped(surface_parameters(shapes, hit, p + patch.dp_y) - uv);
   const double per_step = width / patch.step;
   patch.at = {p, uv, per_step * std::max(glm::length(patch.dp_x), glm::length(patch.dp_y)),
               per_step * std::max(glm::length(patch.duv_x), glm::length(patch.duv_y))};
