@@ -13,7 +13,7 @@ namespace {
 /// Every format that a scene may be in.
 struct Format {
   const char* extension;
-  SceneDescription (*load)(const std::string& path, const std::stop_token& stop, ReadProgress* progress);
+  SceneDescription (*load)(const std::string& path, const LoadOptions& options);
 };
 constexpr Format kFormats[] = {{".yaml", load_yaml_scene},
                                {".yml", load_yaml_scene},
@@ -35,13 +35,12 @@ std::string advice_for(const std::string& path, const std::string& extension) {
 
 }  // namespace
 
-SceneDescription load_scene(const std::string& path, const std::stop_token& stop,
-                            ReadProgress* progress) try {
+SceneDescription load_scene(const std::string& path, const LoadOptions& options) try {
   const std::string extension = extension_of(path);
   for (const Format& format : kFormats) {
     if (extension != format.extension) continue;
-    SceneDescription scene = format.load(path, stop, progress);
-    validate(scene, stop);
+    SceneDescription scene = format.load(path, options);
+    validate(scene, options.stop);
     return scene;
   }
   throw IoError(fmt::format(

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "common/description/read_progress.h"
+#include "common/description/load_options.h"
 #include "common/errors/notes.h"
 #include "common/errors/stop.h"
 #include "common/materials/material.h"
@@ -284,9 +284,8 @@ struct SceneDescription {
 };
 
 /// Loads a scene by its extension (.yaml, .yml or .nff; .rfp: compiled objects, seen from the front) and
-/// validates it: throws InputError or IoError, and Stopped soon after `stop` is requested.
-SceneDescription load_scene(const std::string& path, const std::stop_token& stop = {},
-                            ReadProgress* progress = nullptr);
+/// validates it: throws InputError or IoError, and Stopped.
+SceneDescription load_scene(const std::string& path, const LoadOptions& options = {});
 
 /// The checks that hold for every format: finite numbers, planar polygons, counts, cycles, instances.
 /// Throws InputError at the place of the first fault, and Stopped. Materials named nowhere else get index

@@ -29,7 +29,7 @@ void check_options(const CompileOptions& o) {
 
 int compile_objects(const CompileOptions& o) try {
   const StopOnInterrupt stop;
-  const SceneDescription scene = load_scene(o.scene, stop.token());
+  const SceneDescription scene = load_scene(o.scene, {.stop = stop.token()});
   BuildOptions build = o.build;
   build.stop = stop.token();
   const CompiledScene compiled = compile(scene, build, Purpose::library);

@@ -37,7 +37,7 @@ class SceneLoading {
                           ReadProgress* reading, BuildProgress* building, std::stop_token stop) {
     LoadedScene loaded;
     const double begin = now_s();
-    loaded.description = load_scene(path, stop, reading);
+    loaded.description = load_scene(path, {.stop = stop, .progress = reading});
     loaded.load_s = now_s() - begin;
     build.progress = building;
     build.stop = std::move(stop);

@@ -262,7 +262,8 @@ TEST(Loading, StopsSoonAfterItIsAsked) {
       stop.request_stop();
     });
     try {
-      load_scene(scene, stop.get_token());  // on a machine that is less busy by now it may end first
+      load_scene(scene,
+                 {.stop = stop.get_token()});  // on a machine that is less busy by now it may end first
     } catch (const Stopped&) {
       ++stopped;
     }

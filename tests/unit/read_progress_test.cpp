@@ -28,7 +28,7 @@ std::array<uint64_t, 2> read_of(const std::string& scene) {
         std::this_thread::yield();
       }
     });
-    load_scene(scene, {}, &progress);
+    load_scene(scene, {.progress = &progress});
   }
   return {progress.done, progress.total};
 }

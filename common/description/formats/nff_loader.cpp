@@ -109,10 +109,10 @@ SceneDescription read_nff_scene(std::string_view text, const std::string& path,
   return joiner.finish();
 }
 
-SceneDescription load_nff_scene(const std::string& path, const std::stop_token& stop,
-                                ReadProgress* progress) {
-  const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
-  return read_nff_scene(file.text(), path, borders_of_pieces(file.text().size()), stop, progress);
+SceneDescription load_nff_scene(const std::string& path, const LoadOptions& options) {
+  const FileText file = read_large_text_file(path, limits::kFileBytes, options.stop);
+  return read_nff_scene(file.text(), path, borders_of_pieces(file.text().size()), options.stop,
+                        options.progress);
 }
 
 }  // namespace rayfarm

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "common/description/formats/mesh_faces.h"
+#include "common/description/formats/mesh_loaders.h"
 #include "common/description/formats/obj_mesh.h"
 #include "common/description/formats/obj_records.h"
-#include "common/description/formats/scene_loaders.h"
 #include "common/description/formats/text_pieces.h"
 #include "common/files/read_file.h"
 #include "common/parallel/parallel_for.h"
@@ -180,14 +180,13 @@ MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const st
   return mesh;
 }
 
-PrimitiveDescription load_obj_mesh(SceneDescription& scene, const std::string& path, uint32_t material,
-                                   Smoothing smoothing, const Place& place, const std::stop_token& stop,
-                                   ReadProgress* progress) {
-  const FileText file = read_large_text_file(path, limits::kFileBytes, stop);
-  scene.files.push_back(path);
-  return {read_obj_mesh(scene, file.text(), path, material, smoothing, borders_of_pieces(file.text().size()),
-                        stop, progress),
-          material, place};
+void load_obj_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                   const LoadOptions& options) {
+  const FileText file = read_large_text_file(request.path, limits::kFileBytes, options.stop);
+  scene.files.push_back(request.path);
+  MeshShape mesh = read_obj_mesh(scene, file.text(), request.path, request.material, request.smoothing,
+                                 borders_of_pieces(file.text().size()), options.stop, options.progress);
+  scene.objects[object].primitives.push_back({std::move(mesh), request.material, request.place});
 }
 
 }  // namespace rayfarm

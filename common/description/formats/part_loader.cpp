@@ -44,12 +44,12 @@ std::optional<std::array<int, 2>> frames_of(const Scene& objects) {
 
 }  // namespace
 
-SceneDescription load_part_scene(const std::string& path, const std::stop_token& stop, ReadProgress*) {
+SceneDescription load_part_scene(const std::string& path, const LoadOptions& options) {
   SceneDescription scene;
   scene.files = {path};
   scene.materials.emplace_back("default");
   scene.objects.push_back({"scene", {}, {}, {}});
-  const uint32_t objects_of_file = add_part_file(scene, path, {}, stop);
+  const uint32_t objects_of_file = add_part_file(scene, path, {}, options.stop);
   scene.objects[0].children.push_back({objects_of_file, {}, {}});
   const Scene& objects = scene.libraries[0].scene;
   look_at(bounds_of(objects), scene.view);

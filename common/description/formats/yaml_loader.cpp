@@ -4,6 +4,7 @@
 #include <map>
 
 #include "common/description/describe_part.h"
+#include "common/description/formats/mesh_loaders.h"
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/formats/stoppable_text.h"
 #include "common/description/formats/yaml_curves.h"
@@ -22,17 +23,28 @@
 namespace rayfarm {
 namespace {
 
+/// True if some face of a mesh, or a primitive that is none, has the material.
+bool has_material(const PrimitiveDescription& primitive, uint32_t material) {
+  const auto* mesh = std::get_if<MeshShape>(&primitive.shape);
+  if (!mesh) return primitive.material == material;
+  const auto has = [&](std::span<const uint32_t> materials, size_t faces) {
+    return materials.empty() ? faces > 0 && primitive.material == material
+                             : std::find(materials.begin(), materials.end(), material) != materials.end();
+  };
+  return has(mesh->materials, mesh->triangles.size()) ||
+         has(mesh->polygons.materials, mesh->polygons.sides.size());
+}
+
 /// Lists of numbers that are shorter are left to the library: 256 bytes are some ten points.
 constexpr size_t kLeastListBytes = 256;
 
 class Loader {
  public:
   /// Of a text, or of its outline.
-  Loader(std::string_view text, const std::string& path, const std::stop_token& stop, ReadProgress* progress,
-         YamlOutline* outline)
-      : text_(outline ? outline->text() : text), path_(path) {
-    budget_.stop = stop;
-    budget_.progress = progress;
+  Loader(std::string_view text, const std::string& path, const LoadOptions& options, YamlOutline* outline)
+      : text_(outline ? outline->text() : text), path_(path), options_(options) {
+    budget_.stop = options.stop;
+    budget_.progress = options.progress;
     budget_.outline = outline;
   }
 
@@ -203,7 +215,7 @@ class Loader {
       child.object = target;
       scene_.objects[object].children.push_back(std::move(child));
     }
-    read_content(map, value, target, inherited, depth);
+    read_content(map, value, target, inherited, own_material, depth);
     map.finish();
     if (own_material && map.has("use"))
       scene_.notes.add(scene_.source(own_material->place()),
@@ -216,30 +228,24 @@ class Loader {
     if (own_material && map.has("light"))
       scene_.notes.add(scene_.source(own_material->place()),
                        "a light has no material: `color` is its colour");
-    if (own_material && map.has("mesh")) note_idle_material(*own_material, inherited.material, target);
-    if (map.has("mesh")) give_zone_size(scene_.objects[target].primitives.back(), inherited.zone_size);
   }
 
-  /// A mesh whose file gives every face a material needs none.
-  void note_idle_material(const YamlValue& value, uint32_t material, uint32_t object) {
-    const auto& mesh = std::get<MeshShape>(scene_.objects[object].primitives.back().shape);
-    const auto has = [&](std::span<const uint32_t> materials) {
-      return std::find(materials.begin(), materials.end(), material) != materials.end();
-    };
-    if (!has(mesh.materials) && !has(mesh.polygons.materials))
-      scene_.notes.add(
-          scene_.source(value.place()),
-          fmt::format("material '{}' is not used: the mesh's file gives all faces their materials",
-                      value.text()));
+  /// What a mesh's file added to an object, and the objects that it made.
+  template <typename Visitor>
+  void visit_added(uint32_t object, size_t first_primitive, size_t first_object, Visitor visit) {
+    std::vector<PrimitiveDescription>& own = scene_.objects[object].primitives;
+    for (size_t i = first_primitive; i < own.size(); ++i) visit(own[i]);
+    for (size_t i = first_object; i < scene_.objects.size(); ++i)
+      for (PrimitiveDescription& primitive : scene_.objects[i].primitives) visit(primitive);
   }
 
   /// To a mesh, whose faces may have materials of their own.
   void give_zone_size(PrimitiveDescription& primitive, float zone_size) {
-    if (zone_size == 0) return;
-    auto& mesh = std::get<MeshShape>(primitive.shape);
     primitive.material = zoned(primitive.material, zone_size);
-    for (uint32_t& material : mesh.materials) material = zoned(material, zone_size);
-    for (uint32_t& material : mesh.polygons.materials) material = zoned(material, zone_size);
+    if (auto* mesh = std::get_if<MeshShape>(&primitive.shape)) {
+      for (uint32_t& material : mesh->materials) material = zoned(material, zone_size);
+      for (uint32_t& material : mesh->polygons.materials) material = zoned(material, zone_size);
+    }
   }
 
   uint32_t add_object(const std::string& name, const Place& place) {
@@ -250,7 +256,7 @@ class Loader {
   }
 
   void read_content(YamlMap& map, const YamlValue& value, uint32_t target, const Inherited& inherited,
-                    size_t depth) {
+                    const std::optional<YamlValue>& own_material, size_t depth) {
     int contents = 0;
     for (const auto& [key, read] : yaml_shapes())
       if (auto v = map.find(key)) {
@@ -261,7 +267,7 @@ class Loader {
       }
     if (auto v = map.find("mesh")) {
       ++contents;
-      read_mesh(*v, target, inherited.material);
+      read_mesh(*v, target, inherited, own_material);
     }
     if (auto v = map.find("light")) {
       ++contents;
@@ -320,24 +326,41 @@ class Loader {
     }
   }
 
-  void read_mesh(const YamlValue& value, uint32_t object, uint32_t material) {
+  void read_mesh(const YamlValue& value, uint32_t object, const Inherited& inherited,
+                 const std::optional<YamlValue>& own_material) {
     YamlMap map(value);
     const YamlValue file = map.require("file");
     const Smoothing smoothing = read_smoothing(map, Smoothing::flat);
     map.finish();
-    const std::filesystem::path path = std::filesystem::path(path_).parent_path() / file.text();
-    if (extension_of(path.string()) != ".obj")
-      file.fail("a mesh is read from an .obj file; export it as one");
+    const std::string path = (std::filesystem::path(folder()) / file.text()).string();
+    const MeshFormat* format = find_mesh_format(path);
+    if (!format) file.fail(fmt::format("a mesh is read from {}; export it as one", mesh_extensions()));
+    const size_t first_object = scene_.objects.size(),
+                 first_primitive = scene_.objects[object].primitives.size();
     try {
-      scene_.objects[object].primitives.push_back(load_obj_mesh(
-          scene_, path.string(), material, smoothing, value.place(), value.stop(), budget_.progress));
+      format->load(scene_, object, {path, inherited.material, smoothing, value.place()}, options_);
     } catch (const IoError& e) {
       file.fail(e.what());
     }
+    if (own_material) {
+      bool is_used = false;
+      visit_added(object, first_primitive, first_object, [&](const PrimitiveDescription& primitive) {
+        is_used |= has_material(primitive, inherited.material);
+      });
+      if (!is_used)
+        scene_.notes.add(
+            scene_.source(own_material->place()),
+            fmt::format("material '{}' is not used: the mesh's file gives all faces their materials",
+                        own_material->text()));
+    }
+    if (inherited.zone_size != 0)
+      visit_added(object, first_primitive, first_object,
+                  [&](PrimitiveDescription& primitive) { give_zone_size(primitive, inherited.zone_size); });
   }
 
   std::string_view text_;
   std::string path_;
+  LoadOptions options_;
   YamlBudget budget_;
   SceneDescription scene_;
   std::vector<std::string> material_names_, object_names_;
@@ -347,32 +370,29 @@ class Loader {
 
 }  // namespace
 
-SceneDescription read_yaml_whole(std::string_view text, const std::string& path, const std::stop_token& stop,
-                                 ReadProgress* progress) {
-  count_opened(progress, text.size());
-  return Loader(text, path, stop, progress, nullptr).load();
+SceneDescription read_yaml_whole(std::string_view text, const std::string& path, const LoadOptions& options) {
+  count_opened(options.progress, text.size());
+  return Loader(text, path, options, nullptr).load();
 }
 
 std::optional<SceneDescription> read_yaml_outline(std::string_view text, const std::string& path,
-                                                  size_t least_bytes, const std::stop_token& stop,
-                                                  ReadProgress* progress) {
+                                                  size_t least_bytes, const LoadOptions& options) {
   std::optional<YamlOutline> outline = outline_of(text, least_bytes);
   if (!outline || outline->is_empty()) return std::nullopt;
-  count_opened(progress, text.size());
+  count_opened(options.progress, text.size());
   try {
-    SceneDescription scene = Loader(text, path, stop, progress, &*outline).load();
+    SceneDescription scene = Loader(text, path, options, &*outline).load();
     if (outline->is_read()) return scene;
   } catch (const InputError&) {  // the whole text is read for what is to be told of it
   }
-  if (progress) progress->done = progress->total.load();
+  if (options.progress) options.progress->done = options.progress->total.load();
   return std::nullopt;
 }
 
-SceneDescription load_yaml_scene(const std::string& path, const std::stop_token& stop,
-                                 ReadProgress* progress) {
-  const std::string text = read_file(path, limits::kYamlFileBytes, stop);
-  if (auto scene = read_yaml_outline(text, path, kLeastListBytes, stop, progress)) return std::move(*scene);
-  return read_yaml_whole(text, path, stop, progress);
+SceneDescription load_yaml_scene(const std::string& path, const LoadOptions& options) {
+  const std::string text = read_file(path, limits::kYamlFileBytes, options.stop);
+  if (auto scene = read_yaml_outline(text, path, kLeastListBytes, options)) return std::move(*scene);
+  return read_yaml_whole(text, path, options);
 }
 
 }  // namespace rayfarm

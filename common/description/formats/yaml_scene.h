@@ -10,12 +10,11 @@ namespace rayfarm {
 
 /// Every value of the text is read as a YAML value. Throws InputError.
 SceneDescription read_yaml_whole(std::string_view text, const std::string& path,
-                                 const std::stop_token& stop = {}, ReadProgress* progress = nullptr);
+                                 const LoadOptions& options = {});
 
 /// The same scene, but lists of numbers of `least_bytes` and more are read apart (yaml_outline.h). Nothing if
 /// the text has none, is none to outline or is wrong: read_yaml_whole tells where and why.
 std::optional<SceneDescription> read_yaml_outline(std::string_view text, const std::string& path,
-                                                  size_t least_bytes, const std::stop_token& stop = {},
-                                                  ReadProgress* progress = nullptr);
+                                                  size_t least_bytes, const LoadOptions& options = {});
 
 }  // namespace rayfarm

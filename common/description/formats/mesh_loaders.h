@@ -1,0 +1,41 @@
+#pragma once
+// Files of meshes that a node of a scene names, one loader a format. All throw InputError, IoError where a
+// file can't be read, and Stopped.
+#include <vector>
+
+#include "common/description/load_options.h"
+#include "common/description/scene_description.h"
+
+namespace rayfarm {
+
+/// A mesh's file as a node of a scene asks for it.
+struct MeshRequest {
+  std::string path;
+  uint32_t material = 0;  ///< of faces to which the file gives none
+  Smoothing smoothing = Smoothing::flat;
+  Place place;  ///< of the request
+};
+
+/// Adds what the file holds to an object, and its materials and notes to the scene.
+using MeshLoader = void (*)(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                            const LoadOptions& options);
+
+/// Wavefront OBJ: one primitive; its MTL materials.
+void load_obj_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                   const LoadOptions& options);
+
+struct MeshFormat {
+  const char* extension;
+  MeshLoader load;
+};
+
+/// Every format that a mesh may be in.
+inline constexpr MeshFormat kMeshFormats[] = {{".obj", load_obj_mesh}};
+
+/// The format of a file by its name; null if it is none of them.
+const MeshFormat* find_mesh_format(const std::string& path);
+
+/// Their extensions, for messages: ".obj, .ply or .stl".
+std::string mesh_extensions();
+
+}  // namespace rayfarm

@@ -1,0 +1,17 @@
+#pragma once
+// What loaders are told beside the name of a file.
+#include <string>
+
+#include "common/description/read_progress.h"
+#include "common/errors/stop.h"
+
+namespace rayfarm {
+
+struct LoadOptions {
+  std::stop_token stop{};            ///< loaders throw Stopped soon after it is requested
+  ReadProgress* progress = nullptr;  ///< counts what is read; may be null
+  double fps = 24;                   ///< frames in a second of clips that are timed in seconds
+  std::string clip{};  ///< of files that hold several: a name or a number from 0; empty: the first
+};
+
+}  // namespace rayfarm
