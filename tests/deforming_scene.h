@@ -45,8 +45,8 @@ inline TransformStep bend(double degrees, double frames) {
   return step;
 }
 
-/// Two bones for the tube: one at the origin, and on it one whose joint is at (0, 1, 0), which bends by this angle
-/// from frame 0 to frame 10.
+/// Two bones for the tube: one at the origin, and on it one whose joint is at (0, 1, 0), which bends by this
+/// angle from frame 0 to frame 10.
 inline SkeletonDescription make_arm(double degrees = 90) {
   SkeletonDescription arm;
   arm.bones.push_back({kNone, {}});
@@ -93,7 +93,9 @@ inline SceneDescription make_scene_of(std::vector<MeshShape> meshes) {
   scene.frames = std::array{0, 10};
   scene.objects.push_back({"root", {}, {}, {}});
   scene.objects[0].primitives.push_back(
-      {PolygonShape{{{-3, -0.5, -3}, {-3, -0.5, 3}, {3, -0.5, 3}, {3, -0.5, -3}}, {}, Smoothing::flat}, 0, {}});
+      {PolygonShape{{{-3, -0.5, -3}, {-3, -0.5, 3}, {3, -0.5, 3}, {3, -0.5, -3}}, {}, Smoothing::flat},
+       0,
+       {}});
   for (MeshShape& mesh : meshes) {
     const auto object = static_cast<uint32_t>(scene.objects.size());
     scene.objects.push_back({"mesh", {}, {}, {}});

@@ -2,6 +2,7 @@
 
 #include <deque>
 
+#include "common/compile/corners.h"
 #include "common/compile/darkness.h"
 #include "common/compile/deforming.h"
 #include "common/compile/libraries.h"
@@ -67,9 +68,7 @@ class PartCompiler {
     add_deforming(parts);
     for (const std::vector<FixedObject>& part : parts)
       if (!is_deforming(part[0].object)) add(part);
-    if (!arrays_.triangle_uvs.empty())
-      arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size(), kNoUv);
-    if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size(), kNoUv);
+    fill_corners(arrays_, arrays_);
   }
 
   const Luminaires& luminaires() const { return luminaires_; }

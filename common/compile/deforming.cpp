@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "common/compile/corners.h"
 #include "common/compile/objects.h"
 #include "common/errors/input_error.h"
 #include "common/hierarchy/deformed_parts.h"
@@ -49,16 +50,21 @@ void add_triangles(SceneArrays<GrowingArray>& arrays, const PrimitiveDescription
                    const MeshShape& mesh, uint32_t first_vertex) {
   const bool is_smooth = mesh.smoothing != Smoothing::flat && !mesh.triangle_normals.empty();
   const auto smoothing = static_cast<uint32_t>(is_smooth ? mesh.smoothing : Smoothing::flat);
-  if (!mesh.triangle_uvs.empty()) arrays.triangle_uvs.resize(3 * arrays.triangle_shading.size(), kNoUv);
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     const glm::uvec3 corners = first_vertex + mesh.triangles[i];
     TriangleShading shading{
         mesh.materials.empty() ? primitive.material : mesh.materials[i], smoothing, {kNone, kNone, kNone}};
     if (is_smooth) shading.normals = {corners.x, corners.y, corners.z};
+    const size_t before = 3 * arrays.triangle_shading.size();
     arrays.deforming_triangles.push_back(corners);
     arrays.triangle_shading.push_back(shading);
-    if (mesh.triangle_uvs.empty()) continue;
-    for (int k = 0; k < 3; ++k) arrays.triangle_uvs.push_back(mesh.uvs[mesh.triangle_uvs[i][k]]);
+    const auto position = [&](size_t k) { return mesh.triangles[i][static_cast<int>(k)]; };
+    if (!mesh.triangle_uvs.empty())
+      add_corners(arrays.triangle_uvs, before, kNoUv, mesh.uvs, 3,
+                  [&](size_t k) { return mesh.triangle_uvs[i][static_cast<int>(k)]; });
+    add_corners(arrays.second_uvs, before, kNoUv, mesh.second_uvs, 3, position);
+    add_corners(arrays.triangle_colors, before, kWhiteVertex, mesh.colors, 3, position);
+    if (!mesh.colors.empty()) arrays.materials[shading.material].is_colored = 1;
   }
 }
 

@@ -178,6 +178,8 @@ struct MeshShape {
   LargeVector<uint32_t> materials;  ///< empty, or one per triangle
   LargeVector<glm::vec2> uvs;
   LargeVector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
+  LargeVector<glm::vec2> second_uvs;     ///< empty, or one per position; polygons have none
+  LargeVector<VertexColor> colors;       ///< empty, or one per position
   Smoothing smoothing = Smoothing::flat;
   /// Null: its shape never changes. Else the mesh has triangles only; its normals are none, or one per
   /// position, and triangles then have those of their corners. A mesh with a skin stands in its skeleton's

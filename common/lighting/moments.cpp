@@ -35,7 +35,8 @@ std::span<const Moment> Moments::at(int frame, const RenderSettings& settings) {
   moments_.clear();
   for (size_t i = 0; i < count; ++i) {
     const double time =
-        frame + settings.shutter * (count > 1 ? (static_cast<double>(i) + 0.5) / static_cast<double>(count) : 0);
+        frame +
+        settings.shutter * (count > 1 ? (static_cast<double>(i) + 0.5) / static_cast<double>(count) : 0);
     moments_.push_back({states_[i].at(time, frame),
                         make_camera(scene_, time, settings.width_px, settings.height_px, settings.fit)});
   }
