@@ -114,4 +114,35 @@ inline SceneDescription make_bending_tube(uint32_t rings, uint32_t sides, double
   return scene;
 }
 
+/// A tube whose skin bends it and whose target makes it bulge, from frame 0 to 10.
+inline SceneDescription make_bulging_tube(uint32_t rings, uint32_t sides) {
+  MeshShape mesh = make_tube(rings, sides);
+  const auto deformation = make_skin(mesh);
+  DeformationDescription::Target target{{Interpolation::linear, {0, 10}, {Vec4(0), Vec4(1)}}, {}};
+  for (uint32_t i = 0; i < mesh.positions.size(); ++i)
+    if (mesh.positions[i].y > 1) target.deltas.push_back({i, 0.5f * mesh.normals[i], glm::vec3(0, -0.1f, 0)});
+  deformation->targets.push_back(std::move(target));
+  mesh.deformation = deformation;
+  SceneDescription scene = make_scene_of({std::move(mesh)});
+  scene.skeletons.push_back(make_arm(120));
+  return scene;
+}
+
+/// Triangles whose vertices change places with others far away.
+inline SceneDescription make_scrambled(uint32_t rings, uint32_t sides) {
+  MeshShape mesh = make_tube(rings, sides);
+  mesh.normals.clear();
+  mesh.triangle_normals.clear();
+  const auto deformation = std::make_shared<DeformationDescription>();
+  DeformationDescription::Target target{{Interpolation::linear, {0, 10}, {Vec4(0), Vec4(1)}}, {}};
+  const auto count = static_cast<uint32_t>(mesh.positions.size());
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t other = i / sides * 7 % rings * sides + i % sides;  // rings in another order
+    target.deltas.push_back({i, mesh.positions[other] - mesh.positions[i], glm::vec3(0)});
+  }
+  deformation->targets.push_back(std::move(target));
+  mesh.deformation = deformation;
+  return make_scene_of({std::move(mesh)});
+}
+
 }  // namespace rayfarm::test
