@@ -307,6 +307,7 @@ TEST(Deform, ZonesLieOnTheFramesShape) {
 }
 
 TEST(Deform, TheShutterSeesTheMotion) {
+  constexpr int kTimes = 64;
   const SceneDescription description = test::make_bending_tube(12, 8);
   const CompiledScene compiled = compile(description);
   // Its picture is the mean of still ones of the moments, but for noise: far less than it differs from a
@@ -316,12 +317,12 @@ TEST(Deform, TheShutterSeesTheMotion) {
     std::memcpy(pixels.data(), bytes.data(), bytes.size());
     return pixels;
   };
-  const std::vector<float> blurred = pixels_of(frame_of(compiled.scene, 4, LightingModel::whitted, 2, 256));
+  const std::vector<float> blurred = pixels_of(frame_of(compiled.scene, 4, LightingModel::whitted, 2, 1024));
   std::vector<double> mean(blurred.size());
-  for (int i = 0; i < 16; ++i) {
-    const CompiledScene still = compile(frozen(description, compiled.scene, 4 + 2 * (i + 0.5) / 16));
+  for (int i = 0; i < kTimes; ++i) {
+    const CompiledScene still = compile(frozen(description, compiled.scene, 4 + 2 * (i + 0.5) / kTimes));
     const std::vector<float> picture = pixels_of(frame_of(still.scene, 4, LightingModel::whitted, 0, 16));
-    for (size_t k = 0; k < mean.size(); ++k) mean[k] += picture[k] / 16;
+    for (size_t k = 0; k < mean.size(); ++k) mean[k] += picture[k] / kTimes;
   }
   double difference = 0, contrast = 0;
   const std::vector<float> sharp = pixels_of(frame_of(compiled.scene, 4, LightingModel::whitted, 0, 16));
