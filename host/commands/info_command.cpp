@@ -62,7 +62,8 @@ void print_references(const Scene& scene) {
 void print_shapes(const Scene& scene) {
   if (scene.deforming_parts.empty()) return;
   fmt::print(
-      "  parts that change their shape {}: triangles {}, vertices {}, bones {}, morph targets {}; a process holds "
+      "  parts that change their shape {}: triangles {}, vertices {}, bones {}, morph targets {}; a process "
+      "holds "
       "{} of them for a frame\n",
       scene.deforming_parts.size(), scene.deforming_triangles.size(), scene.deforming_vertices.size() - 1,
       scene.bones.size(), scene.morph_weights.size(), megabytes(deformed_bytes(scene)));

@@ -1,6 +1,6 @@
 // What a new frame costs before its first ray: the poses of moving objects, the links to those that come and
-// go, and the refit of the boxes over them (thesis, Table 4.6: "Obj/Vol Update"); of meshes that change their shape
-// their vertices, and their volumes refitted or built anew.
+// go, and the refit of the boxes over them (thesis, Table 4.6: "Obj/Vol Update"); of meshes that change their
+// shape their vertices, and their volumes refitted or built anew.
 #include <benchmark/benchmark.h>
 
 #include <random>
