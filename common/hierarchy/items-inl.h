@@ -10,6 +10,7 @@
 
 #include "common/hierarchy/collections-inl.h"
 #include "common/hierarchy/items.h"
+#include "common/hierarchy/scene_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {

@@ -11,6 +11,7 @@
 
 #include "common/hierarchy/collections-inl.h"
 #include "common/hierarchy/ray_memory.h"
+#include "common/hierarchy/scene_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
