@@ -166,6 +166,9 @@ void add_deforming_parts(SceneArrays<GrowingArray>& arrays, const SceneDescripti
       vertices.add(*mesh);
       add_triangles(arrays, p, *mesh, first_vertex);
     }
+    if (arrays.deforming_triangles.size() > limits::kPrimitives)
+      throw InputError(description.source(description.objects[object].place),
+                       "the scene has too many triangles");
     const auto count = static_cast<uint32_t>(arrays.deforming_triangles.size()) - first_triangle;
     if (count == 0) continue;
     part_of[object] = static_cast<uint32_t>(arrays.deforming_parts.size());

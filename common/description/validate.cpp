@@ -11,8 +11,14 @@ namespace {
   throw InputError(scene.source(place), problem);
 }
 
+/// How much there is of what meshes change their shape by.
+struct DeformationSizes {
+  size_t influences = 0, deltas = 0;
+};
+
 /// That indices are in range, for whatever loader.
-void check_deformation(const SceneDescription& scene, const Place& at, const MeshShape& mesh) {
+void check_deformation(const SceneDescription& scene, const Place& at, const MeshShape& mesh,
+                       DeformationSizes& sizes) {
   const DeformationDescription& d = *mesh.deformation;
   const size_t vertices = mesh.positions.size();
   const auto require = [&](bool holds, const char* what) {
@@ -28,21 +34,23 @@ void check_deformation(const SceneDescription& scene, const Place& at, const Mes
   }
   const size_t joints = d.skeleton == kNone ? 0 : d.joints.size();
   require(d.influences <= limits::kInfluences / std::max<size_t>(vertices, 1), "the number of influences");
+  sizes.influences += vertices * d.influences;
+  require(sizes.influences <= limits::kInfluences, "the number of influences");
   require(d.joint_of.size() == vertices * d.influences && d.weights.size() == vertices * d.influences,
           "the number of influences");
   for (size_t i = 0; i < d.weights.size(); ++i)
     require(std::isfinite(d.weights[i]) && d.weights[i] >= 0 && (d.weights[i] == 0 || d.joint_of[i] < joints),
             "an influence");
-  size_t deltas = 0;
   for (const DeformationDescription::Target& target : d.targets) {
-    deltas += target.deltas.size();
-    require(deltas <= limits::kMorphDeltas, "the number of morph targets' vertices");
+    sizes.deltas += target.deltas.size();
+    require(sizes.deltas <= limits::kMorphDeltas, "the number of morph targets' vertices");
     for (const DeformationDescription::Delta& delta : target.deltas)
       require(delta.vertex < vertices, "a morph target's vertex");
   }
 }
 
-void check_shape(const SceneDescription& scene, const PrimitiveDescription& primitive) {
+void check_shape(const SceneDescription& scene, const PrimitiveDescription& primitive,
+                 DeformationSizes& sizes) {
   const Place& at = primitive.place;
   if (primitive.material >= scene.materials.size()) fail(scene, at, "a material that doesn't exist");
   if (const auto* sphere = std::get_if<SphereShape>(&primitive.shape)) {
@@ -62,7 +70,7 @@ void check_shape(const SceneDescription& scene, const PrimitiveDescription& prim
     if (std::all_of(c.begin(), c.begin() + 9, [](double v) { return v == 0; }))
       fail(scene, at, "the first nine coefficients of a quadric must not all be 0: that is no surface");
   } else if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape)) {
-    if (mesh->deformation) check_deformation(scene, at, *mesh);
+    if (mesh->deformation) check_deformation(scene, at, *mesh, sizes);
   } else if (const auto* polygon = std::get_if<PolygonShape>(&primitive.shape)) {
     if (polygon->points.size() < 3)
       fail(scene, at, fmt::format("a polygon needs at least 3 points, not {}", polygon->points.size()));
@@ -167,10 +175,11 @@ void validate(const SceneDescription& scene, const std::stop_token& stop) {
         fail(scene, skeleton.place, "a bone that stands before the one that it hangs on");
   }
   size_t primitives = 0;
+  DeformationSizes sizes;
   for (const ObjectDescription& object : scene.objects) {
     for (const PrimitiveDescription& p : object.primitives) {
       throw_if_stopped(stop);
-      check_shape(scene, p);
+      check_shape(scene, p, sizes);
     }
     primitives += object.primitives.size();
     if (primitives > limits::kPrimitives) fail(scene, object.place, "the scene has too many primitives");
