@@ -1,5 +1,8 @@
 #pragma once
 // The object tree of the YAML format. scenes/README.md is the manual.
+#include <map>
+#include <tuple>
+
 #include "common/description/formats/yaml_document.h"
 #include "common/description/load_options.h"
 
