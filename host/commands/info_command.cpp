@@ -9,6 +9,7 @@
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/commands/hierarchy_options.h"
+#include "host/commands/load_options.h"
 #include "host/commands/zone_options.h"
 #include "host/process/exit_code.h"
 
@@ -56,6 +57,17 @@ void print_references(const Scene& scene) {
   references.erase(std::unique(references.begin(), references.end()), references.end());
   fmt::print("  references of volumes to primitives {}, {:.3f} each\n", count,
              static_cast<double>(count) / static_cast<double>(references.size()));
+}
+
+/// What frames make of meshes that change their shape.
+void print_shapes(const Scene& scene) {
+  if (scene.deforming_parts.empty()) return;
+  fmt::print(
+      "  parts that change their shape {}: triangles {}, vertices {}, bones {}, morph targets {}; a process "
+      "holds "
+      "{} of them for a frame\n",
+      scene.deforming_parts.size(), scene.deforming_triangles.size(), scene.deforming_vertices.size() - 1,
+      scene.bones.size(), scene.morph_weights.size(), megabytes(deformed_bytes(scene)));
 }
 
 /// What cells weigh as the thesis counts it.
@@ -120,8 +132,9 @@ void print_zones(const Scene& scene, const ZoneSettings& settings, int frame) {
   }
 }
 
-int print_info(const std::string& path, const BuildOptions& build, const ZoneSettings& zones) {
-  const SceneDescription scene = load_scene(path);
+int print_info(const std::string& path, const LoadOptions& load, const BuildOptions& build,
+               const ZoneSettings& zones) {
+  const SceneDescription scene = load_scene(path, load);
   const CompiledScene compiled = compile_and_look(scene, build);
   const Scene& s = compiled.scene;
   fmt::print("files\n");
@@ -135,6 +148,7 @@ int print_info(const std::string& path, const BuildOptions& build, const ZoneSet
              copies.quadrics);
   fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
              s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
+  print_shapes(s);
   print_media(s);
   print_references(s);
   if (s.head().object_tree != kNone) {
@@ -147,8 +161,9 @@ int print_info(const std::string& path, const BuildOptions& build, const ZoneSet
     return s.curves[step.curve].key_count > 1;
   });
   if (scene.frames)
-    fmt::print("  frames {} to {}{}{}\n", (*scene.frames)[0], (*scene.frames)[1],
-               moves ? ", objects move" : "", has_changing_links(s) ? ", objects come and go" : "");
+    fmt::print("  frames {} to {}{}{}{}\n", (*scene.frames)[0], (*scene.frames)[1],
+               moves ? ", objects move" : "", s.deforming_parts.empty() ? "" : ", shapes change",
+               has_changing_links(s) ? ", objects come and go" : "");
   Box box;
   for (const InstancePose& pose : s.poses)
     if (!pose.is_hidden) box.grow(pose.bounds);
@@ -175,14 +190,16 @@ int print_info(const std::string& path, const BuildOptions& build, const ZoneSet
 
 void add_info_command(CommandLine& line) {
   const auto path = std::make_shared<std::string>();
+  const auto load = std::make_shared<LoadOptions>();
   const auto build = std::make_shared<BuildOptions>();
   const auto zones = std::make_shared<ZoneSettings>();
   Verb verb;
   verb.name = "info";
   verb.help = "print a scene's counts, bounds, zones, object tree and memory";
-  verb.run = [path, build, zones](const Renders&) { return print_info(*path, *build, *zones); };
+  verb.run = [path, load, build, zones](const Renders&) { return print_info(*path, *load, *build, *zones); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", *path, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  add_load_options(options, *load);
   add_hierarchy_options(options, *build);
   options.begin_group("Zones");
   add_zone_size_options(options, *zones);

@@ -10,6 +10,7 @@
 #include "host/commands/colour_option.h"
 #include "host/commands/hierarchy_options.h"
 #include "host/commands/job_options.h"
+#include "host/commands/load_options.h"
 #include "host/commands/net_options.h"
 #include "host/commands/zone_options.h"
 #include "host/render/output_pattern.h"
@@ -281,7 +282,8 @@ void check_combinations(const RenderOptions& o) {
 }  // namespace
 
 void add_render_options(Options& options, RenderOptions& o) {
-  options.text("SCENE", o.scene, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", o.scene, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  add_load_options(options, o.load);
   add_picture(options, o);
   add_light(options, o);
   options.begin_group("Zones (--lighting radiosity and zonal)", AskedBy::scenes_too);

@@ -19,6 +19,7 @@
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
 #include "tests/fuzz/block_seeds.h"
+#include "tests/fuzz/gltf_seeds.h"
 #include "tests/fuzz/grid_seeds.h"
 #include "tests/fuzz/messages.h"
 #include "tests/fuzz/zone_bytes.h"
@@ -272,6 +273,45 @@ std::vector<Target> make_targets(const std::string& path) {
        {kMtl},
        {"newmtl a\n", "map_Kd ", "-o ", "-s 1 ", "-bm ", "t.png\n", "nan", "Kd ", "Ns 1e39\n", "illum 99\n",
         "\n", "Ke 9 9 9\n", "d -1\n", "Ni 0\n"}},
+      {"gltf",
+       [folder](const std::string& bytes) {
+         render_file(folder.write(bytes.starts_with("glTF") ? "in.glb" : "in.gltf", bytes));
+       },
+       gltf_seeds(),
+       {"[",
+        "]",
+        "{",
+        "}",
+        ",",
+        "\"",
+        ":",
+        "0",
+        "1",
+        "2",
+        "3",
+        "-1",
+        "1e308",
+        "1e-300",
+        "99999999999",
+        "0.5",
+        "null",
+        "true",
+        "\"sparse\":{",
+        "\"mode\":5",
+        "\"children\":[1]",
+        "\"mesh\":0",
+        "\"skin\":0",
+        "\"matrix\":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1]",
+        "\"scale\":[0,0,0]",
+        "\"byteStride\":0",
+        "5121",
+        "5123",
+        "5125",
+        "5126",
+        "\"normalized\":true",
+        "\"STEP\"",
+        "\"CUBICSPLINE\"",
+        "\"MASK\""}},
       {"ies",
        [folder](const std::string& bytes) {
          GoniometricDiagram diagram;

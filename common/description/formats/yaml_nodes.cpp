@@ -216,13 +216,23 @@ void YamlNodes::read_mesh(const YamlValue& value, uint32_t object, const Inherit
   const std::string path = document_.path_of(file);
   const MeshFormat* format = find_mesh_format(path);
   if (!format) file.fail(fmt::format("a mesh is read from {}; export it as one", mesh_extensions()));
-  const size_t first_object = scene_.objects.size(),
+  // What came as an object of its own is used again.
+  uint32_t& known = mesh_files_.try_emplace({path, inherited.material, smoothing, inherited.zone_size}, kNone)
+                        .first->second;
+  if (known != kNone) {
+    scene_.objects[object].children.push_back({known, {}, value.place()});
+    return;
+  }
+  const size_t first_object = scene_.objects.size(), first_child = scene_.objects[object].children.size(),
                first_primitive = scene_.objects[object].primitives.size();
   try {
     format->load(scene_, object, {path, inherited.material, smoothing, value.place()}, options_);
   } catch (const IoError& e) {
     file.fail(e.what());
   }
+  const ObjectDescription& made = scene_.objects[object];
+  if (made.primitives.size() == first_primitive && made.children.size() == first_child + 1)
+    known = made.children.back().object;
   if (own_material) {
     bool is_used = false;
     visit_added(scene_, object, first_primitive, first_object, [&](const PrimitiveDescription& primitive) {

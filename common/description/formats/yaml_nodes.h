@@ -1,5 +1,8 @@
 #pragma once
 // The object tree of the YAML format. scenes/README.md is the manual.
+#include <map>
+#include <tuple>
+
 #include "common/description/formats/yaml_document.h"
 #include "common/description/load_options.h"
 
@@ -41,6 +44,7 @@ class YamlNodes {
   const LoadOptions& options_;
   std::map<std::string, uint32_t> part_files_;
   std::map<std::pair<uint32_t, float>, uint32_t> zoned_materials_;
+  std::map<std::tuple<std::string, uint32_t, Smoothing, float>, uint32_t> mesh_files_;
 };
 
 }  // namespace rayfarm
