@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <thread>
 
 namespace rayfarm {
@@ -89,6 +90,17 @@ TEST(ObjLoader, SmoothingGroupsAreObeyed) {
   EXPECT_EQ(mesh_of(load_mesh(corner + "vn 0 0 1\nf 1//1 2//1 3//1\n")).smoothing, Smoothing::phong);
 }
 
+TEST(ObjLoader, ObjectsAndGroupsAreNamed) {
+  const SceneDescription scene = load_mesh("o body\n" + kTriangle + kFace + kFace + "g head hair\n" + kFace +
+                                           "o empty\no body\n" + kFace);
+  const std::vector<NamedFaces>& names = mesh_of(scene).names;
+  ASSERT_EQ(names.size(), 2u);
+  EXPECT_EQ(names[0].name, "body");
+  EXPECT_EQ(names[0].faces, 3u);
+  EXPECT_EQ(names[1].name, "head hair");
+  EXPECT_EQ(names[1].faces, 1u);
+}
+
 TEST(ObjLoader, MaterialsAreFoundByTheirWholeNames) {
   write_temporary("second one.mtl", "newmtl Hard Plastic\nKd 0 1 0\n");
   write_temporary("other.mtl", "");
@@ -145,6 +157,38 @@ TEST(ObjLoader, AMaterialThatCanNotShowIsNoted) {
   expect_note(test::load_yaml(yaml), "scene.yaml:4:16:", "material 'blue' is not used");
   write_temporary("mesh.obj", "mtllib mesh.mtl\n" + kTriangle + kFace + "usemtl red\n" + kFace);
   EXPECT_EQ(notes_of(test::load_yaml(yaml)), "");
+}
+
+/// Files that nobody here wrote, where they are.
+std::string asset(const std::string& name) {
+  return std::string(RAYFARM_SOURCE) + "/../shared/assets/" + name;
+}
+SceneDescription load_asset(const std::string& name) {
+  return test::load_yaml(test::view_text() + "scene: [{mesh: {file: '" + asset(name) + "'}}]\n");
+}
+
+TEST(ObjLoader, FilesOfOtherProgramsAreRead) {
+  if (!std::filesystem::exists(asset("obj/spider.obj"))) GTEST_SKIP() << "no ../shared/assets";
+  const SceneDescription spider = load_asset("obj/spider.obj");
+  EXPECT_EQ(mesh_of(spider).triangles.size() + mesh_of(spider).polygons.sides.size(), 1368u);
+  EXPECT_EQ(spider.textures.size(), 5u) << "named with a backslash";
+  EXPECT_EQ(mesh_of(spider).names.size(), 19u);
+  EXPECT_EQ(mesh_of(spider).smoothing, Smoothing::phong);
+  const SceneDescription colors = load_asset("obj/cube_with_vertexcolors_uni.obj");
+  EXPECT_EQ(mesh_of(colors).colors.size(), 8u);
+  EXPECT_EQ(mesh_of(colors).colors[1],
+            make_vertex_color({1, decode_srgb(double(0.6f)), decode_srgb(double(0.3f))}));
+  const SceneDescription numbers = load_asset("obj/number_formats.obj");
+  EXPECT_EQ(mesh_of(numbers).positions[1], glm::vec3(1, 2, 3));
+  EXPECT_EQ(mesh_of(numbers).positions[2], glm::vec3(1, 2, 3));
+  EXPECT_EQ(mesh_of(numbers).positions[5], glm::vec3(100, 20, 310));
+  const SceneDescription spaces = load_asset("obj/space_in_material_name.obj");
+  EXPECT_EQ(spaces
+                .materials[mesh_of(spaces).materials.empty() ? mesh_of(spaces).polygons.materials.at(0)
+                                                             : mesh_of(spaces).materials.at(0)]
+                .name,
+            "Hard Shiny Plastic White");
+  load_asset("obj/cube_usemtl.obj");
 }
 
 /// Of all the triangles that rays are tested against, which must not reach into `hole`.

@@ -83,21 +83,21 @@ class MtlReader {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (key == "newmtl") {
       finish();
-      written_.emplace();
-      written_->place = records_.line_place();
-      written_->name = records_.rest();
-      if (written_->name.empty()) records_.fail("`newmtl` needs a name");
-    } else if (!written_) {
+      written_ = MtlMaterial();
+      written_.place = records_.line_place();
+      written_.name = records_.rest();
+      if (written_.name.empty()) records_.fail("`newmtl` needs a name");
+    } else if (written_.name.empty()) {
       note(
           fmt::format("`{}` belongs to no material: it stands before the first `newmtl`", key.substr(0, 40)));
     } else if (const Colors* color = find(kColors, key)) {
-      (*written_).** color = read_color();
+      written_.*(*color) = read_color();
     } else if (const Numbers* number = find(kNumbers, key)) {
       read_number(*number);
     } else if (key == "illum") {
-      written_->illumination = static_cast<int>(std::clamp(read_float(), -1e6f, 1e6f));
+      written_.illumination = static_cast<int>(std::clamp(read_float(), -1e6f, 1e6f));
     } else if (const Maps* map = find(kMaps, small)) {
-      (*written_).** map =
+      written_.*(*map) =
           read_map(std::string(key), (*map) == &MtlMaterial::bump_map || (*map) == &MtlMaterial::normal_map);
     } else {
       note_unused(key);
@@ -133,7 +133,7 @@ class MtlReader {
     }
     const float value = read_float();
     if (member == &MtlMaterial::shininess && value < 0) records_.fail("`Ns` must be 0 or more");
-    (*written_).*member = value;
+    written_.*member = value;
   }
   glm::vec3 read_color() {
     if (const std::string_view kind = records_.peek(); kind == "spectral" || kind == "xyz") {
@@ -211,14 +211,14 @@ class MtlReader {
 
   /// The material that was read last, if any, joins the scene.
   void finish() {
-    if (!written_) return;
+    if (written_.name.empty()) return;
     const auto id = static_cast<uint32_t>(scene_.materials.size());
-    if (ids_.emplace(written_->name, id).second)
-      add_mtl_material(scene_, path_, *written_, stop_);
+    if (ids_.emplace(written_.name, id).second)
+      add_mtl_material(scene_, path_, written_, stop_);
     else
-      scene_.notes.add(written_->place,
-                       fmt::format("material '{}' is defined twice; the first one is used", written_->name));
-    written_.reset();
+      scene_.notes.add(written_.place,
+                       fmt::format("material '{}' is defined twice; the first one is used", written_.name));
+    written_ = MtlMaterial();
   }
 
   SceneDescription& scene_;
@@ -226,7 +226,7 @@ class MtlReader {
   const std::stop_token& stop_;
   std::string text_;
   Records records_;
-  std::optional<MtlMaterial> written_;
+  MtlMaterial written_;  ///< without a name before the first
   MaterialIds ids_;
   std::set<std::string> noted_;
 };

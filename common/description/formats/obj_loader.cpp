@@ -8,7 +8,6 @@
 #include "common/description/formats/obj_mesh.h"
 #include "common/description/formats/obj_records.h"
 #include "common/description/formats/text_pieces.h"
-#include "common/files/read_file.h"
 #include "common/image/pixel_format.h"
 #include "common/parallel/parallel_for.h"
 
@@ -29,17 +28,19 @@ VertexColor decoded_color(const glm::vec3& c, double white) {
 class MeshJoiner {
  public:
   MeshJoiner(std::span<const std::string_view> texts, const std::string& path, const std::stop_token& stop,
-             bool is_smoothing_asked_for, MeshShape& mesh)
+             bool is_smoothing_asked_for, FileText* file, MeshShape& mesh)
       : texts_(texts),
         path_(path),
         stop_(stop),
         is_smoothing_asked_for_(is_smoothing_asked_for),
+        file_(file),
         mesh_(mesh),
         beginnings_(texts.size() + 1) {}
 
   void read(ReadProgress* progress) {
     pieces_ = read_pieces<ObjPiece>(texts_, progress, [&](std::string_view text, ObjPiece& piece) {
       read_obj_piece(text, path_, 0, stop_, piece);
+      if (file_) file_->give_back(text);
     });
   }
 
@@ -50,7 +51,9 @@ class MeshJoiner {
       records.add(pieces_[i]);
       if (!pieces_[i].is_broken) continue;
       ObjPiece again;
+      if (file_) file_->read_again(texts_[i]);
       read_obj_piece(texts_[i], path_, beginnings_[i].line, stop_, again);  // throws, knowing its line
+      throw InputError({path_}, "the file changed while it was read");
     }
     records.add_notes();
   }
@@ -167,6 +170,7 @@ class MeshJoiner {
       if (face % kFacesPerLook == 0) throw_if_stopped(stop_);
       const size_t sides = piece.sides[face];
       const auto fail = [&](const std::string& problem) {
+        if (file_) file_->read_again(texts_[i]);
         throw InputError({path_, line_of_obj_face(texts_[i], face, at.line)}, problem);
       };
       if (sides > limits::kPolygonPoints)
@@ -197,6 +201,7 @@ class MeshJoiner {
   const std::string& path_;
   const std::stop_token& stop_;
   bool is_smoothing_asked_for_;
+  FileText* file_;
   MeshShape& mesh_;
   std::vector<ObjPiece> pieces_;
   std::vector<Beginning> beginnings_;  ///< of each piece, and of the end
@@ -205,15 +210,16 @@ class MeshJoiner {
 }  // namespace
 
 MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const MeshRequest& request,
-                        std::span<const size_t> borders, const LoadOptions& options) {
+                        std::span<const size_t> borders, const LoadOptions& options, FileText* file) {
   const std::vector<std::string_view> pieces = cut_text(text, borders, may_begin_record);
   MeshShape mesh;
   mesh.smoothing = request.smoothing;
-  MeshJoiner joiner(pieces, request.path, options.stop, request.is_smoothing_asked_for, mesh);
+  MeshJoiner joiner(pieces, request.path, options.stop, request.is_smoothing_asked_for, file, mesh);
   joiner.read(options.progress);
   ObjRecords records(scene, request.path, request.material, options.stop);
   joiner.add_to(records);
   const SmoothingGroups groups = joiner.join(records);
+  mesh.names = records.names();
   const size_t face_count = mesh.triangles.size() + mesh.polygons.sides.size();
   if (face_count == 0) throw InputError({request.path}, "the file has no faces");
   if (face_count > limits::kPrimitives) throw InputError({request.path}, "the mesh has too many faces");
@@ -226,9 +232,10 @@ MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const Me
 
 void load_obj_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
                    const LoadOptions& options) {
-  const FileText file = read_large_text_file(request.path, limits::kFileBytes, options.stop);
+  FileText file = read_large_text_file(request.path, limits::kFileBytes, options.stop);
   scene.files.push_back(request.path);
-  MeshShape mesh = read_obj_mesh(scene, file.text(), request, borders_of_pieces(file.text().size()), options);
+  MeshShape mesh =
+      read_obj_mesh(scene, file.text(), request, borders_of_pieces(file.text().size()), options, &file);
   scene.objects[object].primitives.push_back({std::move(mesh), request.material, request.place});
 }
 

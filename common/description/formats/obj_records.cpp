@@ -6,6 +6,7 @@
 namespace rayfarm {
 namespace {
 
+constexpr size_t kMostNames = 1 << 16;
 constexpr size_t kMostKinds = 24;  // of what is not used: a file of rubbish has many
 
 }  // namespace
@@ -47,9 +48,32 @@ void ObjRecords::add(const ObjPiece::Setting& setting) {
       smoothing_.push_back({faces_ + setting.faces_before, group});
       return;
     }
-    case ObjPiece::Setting::name:
+    case ObjPiece::Setting::name: {
+      end_name(faces_ + setting.faces_before);
+      if (const auto found = name_ids_.find(setting.text);
+          found != name_ids_.end() || names_.size() == kMostNames) {
+        name_ = found != name_ids_.end() ? found->second : SIZE_MAX;
+        return;
+      }
+      name_ = names_.size();
+      name_ids_.emplace(setting.text, name_);
+      names_.push_back({setting.text, 0});
       return;
+    }
   }
+}
+
+void ObjRecords::end_name(size_t faces) {
+  if (name_ < names_.size()) names_[name_].faces += faces - name_begin_;
+  name_begin_ = faces;
+}
+
+std::vector<NamedFaces> ObjRecords::names() {
+  end_name(faces_);
+  std::vector<NamedFaces> used;
+  for (NamedFaces& name : names_)
+    if (name.faces > 0 && !name.name.empty()) used.push_back(std::move(name));
+  return used;
 }
 
 void ObjRecords::use_material(const ObjPiece::Setting& setting) {

@@ -31,7 +31,9 @@ class ObjRecords {
   const std::vector<Run>& smoothing() const { return smoothing_; }
   bool has_smoothing() const { return smoothing_.size() > 1; }  ///< the file says what is smooth
   bool is_smooth() const { return !groups_.empty(); }           ///< something, by what it says
-  int lines() const { return lines_; }                          ///< so far
+  /// Objects and groups (`o`, `g`) that have faces.
+  std::vector<NamedFaces> names();
+  int lines() const { return lines_; }  ///< so far
 
  private:
   static constexpr uint32_t kAllSmooth = 1;
@@ -54,6 +56,10 @@ class ObjRecords {
   std::vector<std::string> libraries_;
   std::vector<Run> materials_, smoothing_{{0, kAllSmooth}};
   std::map<std::string, uint32_t, std::less<>> groups_;
+  void end_name(size_t faces);
+  std::vector<NamedFaces> names_;
+  std::map<std::string, size_t, std::less<>> name_ids_;  ///< which of names_
+  size_t name_ = SIZE_MAX, name_begin_ = 0;              ///< that of the faces from the last `o` or `g` on
   std::vector<Unused> unused_;
   int lines_ = 0;
   size_t faces_ = 0;
