@@ -176,6 +176,11 @@ struct DeformationDescription {
   std::vector<Target> targets;
 };
 
+/// A name that a mesh's file has for some of its faces.
+struct NamedFaces {
+  std::string name;
+  size_t faces = 0;
+};
 /// Polygons over shared vertices. Positions are float, as stored in the scene block.
 struct MeshShape {
   LargeVector<glm::vec3> positions, normals;
@@ -188,6 +193,7 @@ struct MeshShape {
   LargeVector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
   LargeVector<glm::vec2> second_uvs;     ///< empty, or one per position; polygons have none
   LargeVector<VertexColor> colors;       ///< empty, or one per position
+  std::vector<NamedFaces> names;         ///< of objects and groups of its file, in their order
   Smoothing smoothing = Smoothing::flat;
   /// Null: its shape never changes. Else the mesh has triangles only; its normals are none, or one per
   /// position, and triangles then have those of their corners. A mesh with a skin stands in its skeleton's

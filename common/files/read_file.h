@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/errors/stop.h"
+#include "common/files/regular_file.h"
 #include "common/memory/large_vector.h"
 
 namespace rayfarm {
@@ -19,11 +20,20 @@ class FileText {
  public:
   std::string_view text() const { return text_; }
 
+  /// Gives the memory of a part of the text back: until it is read again its bytes are lost. Any thread, as
+  /// long as parts are apart.
+  void give_back(std::string_view part) { release_pages(place_of(part), part.size()); }
+  /// Reads such a part again; what the file holds less by now is zeros. Throws IoError.
+  void read_again(std::string_view part);
+
  private:
   friend FileText read_large_text_file(const std::string&, uintmax_t, const std::stop_token&);
+  char* place_of(std::string_view part) { return bytes_.get() + (part.data() - bytes_.get()); }
   struct Free {
     void operator()(char* bytes) const { free_large(bytes); }
   };
+  std::string path_;
+  RegularFile opened_;
   std::unique_ptr<char, Free> bytes_;
   std::string_view text_;
 };
