@@ -73,7 +73,7 @@ std::string read_text_file(const std::string& path, uintmax_t max_bytes, const s
   return text;
 }
 
-FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
+FileText read_large_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
   constexpr size_t kPiece = 4 << 20;
   const RegularFile opened = open_regular_file(path);
   require_size(path, opened.size_bytes, max_bytes);
@@ -87,7 +87,13 @@ FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, cons
     if (n < 0 && errno != EINTR) fail_reading(path);
     if (n > 0) size += static_cast<size_t>(n);
   }
-  result.text_ = checked_text(path, {result.bytes_.get(), size});
+  result.text_ = {result.bytes_.get(), size};
+  return result;
+}
+
+FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
+  FileText result = read_large_file(path, max_bytes, stop);
+  result.text_ = checked_text(path, result.text_);
   return result;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Whole files as text.
+// Whole files, as text or as bytes.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,12 +14,13 @@ std::string read_file(const std::string& path, uintmax_t max_bytes, const std::s
 /// The same of a file of text. A mark of UTF-8 at its beginning is left out; UTF-16 and UTF-32 are refused.
 std::string read_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop = {});
 
-/// The text of a large file.
+/// The text, or the bytes, of a large file.
 class FileText {
  public:
   std::string_view text() const { return text_; }
 
  private:
+  friend FileText read_large_file(const std::string&, uintmax_t, const std::stop_token&);
   friend FileText read_large_text_file(const std::string&, uintmax_t, const std::stop_token&);
   struct Free {
     void operator()(char* bytes) const { free_large(bytes); }
@@ -27,8 +28,9 @@ class FileText {
   std::unique_ptr<char, Free> bytes_;
   std::string_view text_;
 };
-/// As read_text_file. The file is read and not mapped: what becomes of it meanwhile ends in an error at
-/// worst.
+/// As read_file. The file is read and not mapped: what becomes of it meanwhile ends in an error at worst.
+FileText read_large_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop = {});
+/// The same of a file of text, as read_text_file.
 FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop = {});
 
 }  // namespace rayfarm
