@@ -1,5 +1,6 @@
 #include "common/compile/compile.h"
 
+#include "common/compile/corners.h"
 #include "common/compile/darkness.h"
 #include "common/compile/libraries.h"
 #include "common/compile/lights.h"
@@ -62,9 +63,7 @@ class PartCompiler {
   void add_all() {
     for (const std::vector<FixedObject>& part : objects_by_parts(description_, purpose_ == Purpose::library))
       add(part);
-    if (!arrays_.triangle_uvs.empty())
-      arrays_.triangle_uvs.resize(3 * arrays_.triangle_shading.size(), kNoUv);
-    if (!arrays_.face_uvs.empty()) arrays_.face_uvs.resize(arrays_.face_corners.size(), kNoUv);
+    fill_corners(arrays_, arrays_);
   }
 
   const Luminaires& luminaires() const { return luminaires_; }

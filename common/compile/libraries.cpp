@@ -1,5 +1,6 @@
 #include "common/compile/libraries.h"
 
+#include "common/compile/corners.h"
 #include "common/errors/input_error.h"
 #include "common/scene/array_offsets.h"
 
@@ -43,8 +44,7 @@ PlacedLibrary append_library(SceneArrays<GrowingArray>& arrays, const LibraryDes
   offsets.materials = library.first_material;
   offsets.textures = library.first_texture;
   offsets.goniometric_diagrams = library.first_diagram;
-  if (!more.face_uvs.empty()) arrays.face_uvs.resize(arrays.face_corners.size(), kNoUv);
-  if (!more.triangle_uvs.empty()) arrays.triangle_uvs.resize(3 * arrays.triangle_shading.size(), kNoUv);
+  fill_corners(arrays, more);
 #define RAYFARM_ARRAY(element, name, role)              \
   if constexpr (ArrayRole::role == ArrayRole::geometry) \
     append<ArrayName::name>(arrays.name, more.name, offsets);

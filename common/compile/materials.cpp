@@ -13,7 +13,10 @@ constexpr double kFar = 1e6;
 
 void add_materials(SceneArrays<GrowingArray>& arrays, const SceneDescription& description) {
   arrays.principled.assign(description.principled.begin(), description.principled.end());
-  const TexturePoint mean{Vec3(0.5), Vec2(0.5), kFar, kFar};
+  SurfacePatch mean;
+  mean.p = Vec3(0.5);
+  mean.width = kFar;
+  mean.sets.fill({.uv = Vec2(0.5), .width = kFar});
   for (const MaterialDescription& m : description.materials) {
     add_spectra(arrays, m.spectra, arrays.materials.size());
     Material& material = arrays.materials.emplace_back(m);

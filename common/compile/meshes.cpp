@@ -1,5 +1,6 @@
 // Meshes: triangles and faces of more corners, over vertices that they share (thesis 2.3.3: the unique nodes
 // in a linear list, a polygon a list of nodes).
+#include "common/compile/corners.h"
 #include "common/compile/shapes.h"
 #include "common/shapes/triangulate.h"
 
@@ -66,9 +67,13 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
         add_triangle({mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}, shading, p.place);
     if (!id) continue;
     part.add_mesh_triangle(*id, i);
-    if (mesh.triangle_uvs.empty()) continue;
-    arrays_.triangle_uvs.resize(3 * before, kNoUv);  // of meshes before that have none
-    for (int k = 0; k < 3; ++k) arrays_.triangle_uvs.push_back(mesh.uvs[mesh.triangle_uvs[i][k]]);
+    const auto position = [&t](size_t k) { return t[static_cast<int>(k)]; };
+    if (!mesh.triangle_uvs.empty())
+      add_corners(arrays_.triangle_uvs, 3 * before, kNoUv, mesh.uvs, 3,
+                  [&](size_t k) { return mesh.triangle_uvs[i][static_cast<int>(k)]; });
+    add_corners(arrays_.second_uvs, 3 * before, kNoUv, mesh.second_uvs, 3, position);
+    add_corners(arrays_.triangle_colors, 3 * before, kWhiteVertex, mesh.colors, 3, position);
+    if (!mesh.colors.empty()) arrays_.materials[shading.material].is_colored = 1;
   }
   if (!mesh.polygons.sides.empty()) add_polygons(part, p, mesh, first_normal);
 }
@@ -101,6 +106,7 @@ void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescriptio
       continue;
     }
     const uint32_t material = polygons.materials.empty() ? p.material : polygons.materials[i];
+    if (!mesh.colors.empty()) arrays_.materials[material].is_colored = 1;
     const auto normal_of = [&](size_t corner) { return first_normal + polygons.normals[begin + corner]; };
     const bool is_smooth =
         mesh.smoothing != Smoothing::flat && !polygons.normals.empty() && polygons.normals[begin] != kNone;
@@ -113,10 +119,11 @@ void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescriptio
         const size_t before = arrays_.triangle_shading.size();
         if (const auto id = add_triangle(triangles[k], shading, p.place))
           part.add_triangle(*id, triangles[k]);
-        if (polygons.uvs.empty()) continue;
-        arrays_.triangle_uvs.resize(3 * before, kNoUv);
-        for (const uint32_t corner : cut[k])
-          arrays_.triangle_uvs.push_back(mesh.uvs[polygons.uvs[begin + corner]]);
+        if (!polygons.uvs.empty())
+          add_corners(arrays_.triangle_uvs, 3 * before, kNoUv, mesh.uvs, 3,
+                      [&](size_t v) { return polygons.uvs[begin + cut[k][v]]; });
+        add_corners(arrays_.triangle_colors, 3 * before, kWhiteVertex, mesh.colors, 3,
+                    [&](size_t v) { return corners[cut[k][v]]; });
       }
       continue;
     }
@@ -124,10 +131,11 @@ void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescriptio
         make_primitive_id(PrimitiveKind::face, static_cast<uint32_t>(arrays_.mesh_faces.size()));
     MeshFace face{static_cast<uint32_t>(arrays_.face_corners.size()), static_cast<uint32_t>(sides), kNone,
                   smoothing, material};
-    if (!polygons.uvs.empty()) {
-      arrays_.face_uvs.resize(face.first_corner, kNoUv);  // of meshes before that have none
-      for (size_t k = 0; k < sides; ++k) arrays_.face_uvs.push_back(mesh.uvs[polygons.uvs[begin + k]]);
-    }
+    if (!polygons.uvs.empty())
+      add_corners(arrays_.face_uvs, face.first_corner, kNoUv, mesh.uvs, sides,
+                  [&](size_t k) { return polygons.uvs[begin + k]; });
+    add_corners(arrays_.face_colors, face.first_corner, kWhiteVertex, mesh.colors, sides,
+                [&](size_t k) { return corners[k]; });
     for (const uint32_t corner : corners) arrays_.face_corners.push_back(shared.place_of(corner));
     if (is_smooth) {
       face.first_normal = static_cast<uint32_t>(arrays_.face_normals.size());

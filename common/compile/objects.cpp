@@ -29,11 +29,12 @@ class InstanceSource : public PrimitiveSource {
 }  // namespace
 
 uint32_t add_curve(SceneArrays<GrowingArray>& arrays, const Curve& curve) {
-  const auto first = static_cast<uint32_t>(arrays.key_frames.size());
+  const auto first = static_cast<uint32_t>(arrays.key_frames.size()),
+             first_value = static_cast<uint32_t>(arrays.key_values.size());
   arrays.key_frames.insert(arrays.key_frames.end(), curve.frames.begin(), curve.frames.end());
   arrays.key_values.insert(arrays.key_values.end(), curve.values.begin(), curve.values.end());
-  arrays.curves.push_back(
-      {static_cast<uint32_t>(curve.interpolation), first, static_cast<uint32_t>(curve.frames.size())});
+  arrays.curves.push_back({static_cast<uint32_t>(curve.interpolation), first,
+                           static_cast<uint32_t>(curve.frames.size()), first_value});
   return static_cast<uint32_t>(arrays.curves.size() - 1);
 }
 

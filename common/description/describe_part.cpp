@@ -103,7 +103,7 @@ class Describer {
   Curve curve_of(uint32_t index) const {
     const CurveRecord& record = s_.curves[index];
     const auto frames = s_.key_frames.subspan(record.first_key, record.key_count);
-    const auto values = s_.key_values.subspan(record.first_key, record.key_count);
+    const auto values = s_.key_values.subspan(record.first_value, record.value_count());
     return {static_cast<Interpolation>(record.interpolation),
             {frames.begin(), frames.end()},
             {values.begin(), values.end()}};

@@ -43,6 +43,9 @@ inline constexpr size_t kInstances = 4'000'000;  ///< the object tree, expanded
 inline constexpr size_t kLights = 10'000;        ///< the list's, and the objects', expanded
 inline constexpr size_t kLuminaires = 100'000;   ///< luminous primitives, expanded
 inline constexpr size_t kKeys = 1'000'000;
+inline constexpr size_t kBones = 1'000'000;             ///< of all skeletons
+inline constexpr size_t kInfluences = 400'000'000;      ///< of joints on vertices, of all skins
+inline constexpr size_t kMorphDeltas = 100'000'000;     ///< of all targets
 inline constexpr size_t kSpectrumNodes = 10'000;        ///< of one spectrum
 inline constexpr uint64_t kTexturePixels = 1ull << 28;  ///< of one image, 16384²: 2 GiB with its mip map
 inline constexpr uint64_t kArrayCells = 1ull << 26;     ///< of one array, 406³: 0.5 GiB with its mip map
@@ -140,6 +143,31 @@ struct MeshPolygons {
   LargeVector<uint32_t> uvs;        ///< empty, or one per corner: indices into uvs
   LargeVector<uint32_t> materials;  ///< empty, or one per polygon
 };
+/// How a mesh changes its shape from frame to frame: first its morph targets, then its skin, as in glTF 2.0.
+struct DeformationDescription {
+  /// A bone of the skeleton as the skin knows it.
+  struct Joint {
+    uint32_t bone = 0;
+    Affine bone_from_mesh;  ///< at rest: the inverse bind matrix
+  };
+  /// What a target adds to one vertex, times the target's weight. Vertices that don't move need none.
+  struct Delta {
+    uint32_t vertex = 0;
+    glm::vec3 position{0}, normal{0};
+  };
+  struct Target {
+    Curve weight;  ///< in x
+    LargeVector<Delta> deltas;
+  };
+
+  uint32_t skeleton = kNone;  ///< of SceneDescription::skeletons; kNone: the mesh has no skin
+  std::vector<Joint> joints;
+  uint32_t influences = 0;         ///< of each vertex: how many of the next two there are
+  LargeVector<uint32_t> joint_of;  ///< vertices × influences: indices into joints
+  LargeVector<float> weights;      ///< vertices × influences: 0 or more; their sum is made 1
+  std::vector<Target> targets;
+};
+
 /// Polygons over shared vertices. Positions are float, as stored in the scene block.
 struct MeshShape {
   LargeVector<glm::vec3> positions, normals;
@@ -150,7 +178,13 @@ struct MeshShape {
   LargeVector<uint32_t> materials;  ///< empty, or one per triangle
   LargeVector<glm::vec2> uvs;
   LargeVector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
+  LargeVector<glm::vec2> second_uvs;     ///< empty, or one per position; polygons have none
+  LargeVector<VertexColor> colors;       ///< empty, or one per position
   Smoothing smoothing = Smoothing::flat;
+  /// Null: its shape never changes. Else the mesh has triangles only; its normals are none, or one per
+  /// position, and triangles then have those of their corners. A mesh with a skin stands in its skeleton's
+  /// space. Objects with such a mesh have no primitives of other kinds.
+  std::shared_ptr<const DeformationDescription> deformation;
 };
 using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PolygonShape, MeshShape>;
 
@@ -165,6 +199,17 @@ struct ChildDescription {
   std::vector<TransformStep> transform;  ///< the first step is applied first
   Place place;
   std::optional<Curve> visible{};  ///< 0 in frames that are without the child; none: it is always there
+};
+
+/// A tree of spaces that skins hang on. It is apart from the tree of objects, as a mesh with a skin does not
+/// move with the object that it is in but with the bones alone: the skeleton's space is that object's.
+struct SkeletonDescription {
+  struct Bone {
+    uint32_t parent = kNone;               ///< stands before it; kNone: the skeleton's space
+    std::vector<TransformStep> transform;  ///< the first step is applied first
+  };
+  std::vector<Bone> bones;
+  Place place;
 };
 
 /// A light in an object's space.
@@ -227,6 +272,7 @@ struct SceneDescription {
   std::vector<TextureDescription> textures;
   std::vector<StructureDescription> structures;
   std::vector<LibraryDescription> libraries;
+  std::vector<SkeletonDescription> skeletons;
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;
   std::optional<std::array<int, 2>> frames;  ///< first and last

@@ -44,9 +44,10 @@ double open_share(const FrameContext& context, const Ray& ray, const Hit& hit, c
   const PrincipledMaterial& m = scene.principled[scene.materials[surface.material].principled];
   if (m.is_one_sided && !surface.is_front) return 1;
   const PrincipledSource& source = m[PrincipledInput::opacity];
-  const TexturePoint at =
-      source.texture == kNone ? TexturePoint() : patch_at(scene, context.pose, ray, hit, width, surface).at;
-  const double opacity = std::clamp(eval_source(scene, source, at).x, 0.0, 1.0);
+  const bool is_plain = source.texture == kNone && !scene.materials[surface.material].is_colored;
+  const SurfacePatch patch =
+      is_plain ? SurfacePatch() : patch_at(scene, context.pose, ray, hit, width, surface);
+  const double opacity = std::clamp(eval_source(scene, source, patch).x * patch.color.w, 0.0, 1.0);
   if (m.cutoff > 0) return opacity < m.cutoff ? 1 : 0;
   return 1 - opacity;
 }

@@ -60,16 +60,28 @@ Vec2 face_parameters(const Scene& scene, const MeshFace& face, const Vec3& p) {
   return mean_value_sum(points.span(), uvs.span(), p, normal).mean();
 }
 
-Vec2 triangle_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
+/// The weights of a triangle's second and third vertex.
+Vec2 triangle_weights(const Scene& scene, const Hit& hit, const Vec3& p) {
   const std::array<Vec3, 3> v = triangle_vertices(scene, hit.block_lane);
   const Vec3 n = glm::cross(v[1] - v[0], v[2] - v[0]);
   const double square = glm::dot(n, n);
   const double b = glm::dot(glm::cross(p - v[0], v[2] - v[0]), n) / square,
                c = glm::dot(glm::cross(v[1] - v[0], p - v[0]), n) / square;
-  if (scene.triangle_uvs.empty()) return {b, c};
-  const glm::vec2* const uv = &scene.triangle_uvs[size_t{3} * hit.primitive.index()];
-  if (std::isnan(uv[0].x)) return {b, c};
-  return Vec2(uv[0]) + b * (Vec2(uv[1]) - Vec2(uv[0])) + c * (Vec2(uv[2]) - Vec2(uv[0]));
+  return {b, c};
+}
+
+/// `weights` of what stands at a triangle's corners.
+template <typename Value, typename Stored>
+Value at_weights(const Stored* corners, const Vec2& weights) {
+  const Value first(corners[0]);
+  return first + weights.x * (Value(corners[1]) - first) + weights.y * (Value(corners[2]) - first);
+}
+
+/// `uvs`: of all triangles, or none at all.
+Vec2 triangle_parameters(std::span<const glm::vec2> uvs, const Hit& hit, const Vec2& weights) {
+  if (uvs.empty()) return weights;
+  const glm::vec2* const uv = &uvs[size_t{3} * hit.primitive.index()];
+  return std::isnan(uv->x) ? weights : at_weights<Vec2>(uv, weights);
 }
 
 }  // namespace
@@ -78,7 +90,7 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
   const uint32_t index = hit.primitive.index();
   switch (hit.primitive.kind()) {
     case PrimitiveKind::triangle:
-      return triangle_parameters(scene, hit, p);
+      return triangle_parameters(scene.triangle_uvs, hit, triangle_weights(scene, hit, p));
     case PrimitiveKind::sphere: {
       const Vec3 d = (p - scene.spheres[index].center) / scene.spheres[index].radius;
       return {longitude(d.x, d.z), 1 - portable_acos(d.y) / pi};
@@ -96,16 +108,39 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
   return {longitude(d.x, d.z), (p.y - box.lo.y) / std::max(box.hi.y - box.lo.y, 1e-300)};
 }
 
+Vec2 second_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
+  if (hit.primitive.kind() != PrimitiveKind::triangle || scene.second_uvs.empty() ||
+      std::isnan(scene.second_uvs[size_t{3} * hit.primitive.index()].x))
+    return surface_parameters(scene, hit, p);
+  return triangle_parameters(scene.second_uvs, hit, triangle_weights(scene, hit, p));
+}
+
+Vec4 vertex_color(const Scene& scene, const Hit& hit, const Vec3& p) {
+  const uint32_t index = hit.primitive.index();
+  Vec4 color(65535);
+  if (hit.primitive.kind() == PrimitiveKind::triangle && !scene.triangle_colors.empty()) {
+    color = at_weights<Vec4>(&scene.triangle_colors[size_t{3} * index], triangle_weights(scene, hit, p));
+  } else if (hit.primitive.kind() == PrimitiveKind::face && !scene.face_colors.empty()) {
+    const MeshFace& face = scene.mesh_faces[index];
+    const Gathered<Vec3> points = points_of(scene, face);
+    Gathered<Vec4> colors(face.corner_count);
+    for (size_t i = 0; i < face.corner_count; ++i) colors[i] = Vec4(scene.face_colors[face.first_corner + i]);
+    color = mean_value_sum(points.span(), colors.span(), p, normalized(newell_normal(points.span()))).mean();
+  }
+  return glm::clamp(color / 65535.0, 0.0, 1.0);
+}
+
 Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
                   double choice, Surface& surface, PrincipledPoint& point) {
   const Material& declared = scene.materials[surface.material];
-  if (declared.kind == MaterialKind::principled && !scene.principled[declared.principled].has_textures)
+  if (declared.kind == MaterialKind::principled && !declared.is_colored &&
+      !scene.principled[declared.principled].has_textures)
     return principled_at(scene, declared, {}, ray.direction, surface, point);
   const SurfacePatch patch = patch_at(scene, pose, ray, hit, width, surface);
   while (scene.materials[surface.material].kind == MaterialKind::mix) {
     const Material& mix = scene.materials[surface.material];
     const double second =
-        std::clamp(luminance(eval_texture(scene.textures[mix.texture], scene.texels, patch.at)), 0.0, 1.0);
+        std::clamp(luminance(eval_texture(scene.textures[mix.texture], scene.texels, patch.at())), 0.0, 1.0);
     const bool is_second = choice < second;
     surface.material = mix.parts[is_second ? 1 : 0];
     // What is left of the choice chooses within a part that is a mix itself.
@@ -115,23 +150,25 @@ Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hi
   if (material.kind == MaterialKind::principled)
     return principled_at(scene, material, patch, ray.direction, surface, point);
   Material result = material;
+  if (material.is_colored)
+    result.color *= glm::max(scene.head().channels_from_rgb * Color(patch.color), Color(0));
   if (material.texture != kNone)
     result.color *= glm::max(scene.head().channels_from_rgb *
-                                 eval_texture(scene.textures[material.texture], scene.texels, patch.at),
+                                 eval_texture(scene.textures[material.texture], scene.texels, patch.at()),
                              Color(0));
   if (material.bump != kNone) {
     const auto height = [&](const Vec3& point_on_it, const Vec2& parameters) {
-      TexturePoint there = patch.at;
+      TexturePoint there = patch.at();
       there.p = point_on_it;
       there.uv = parameters;
       return material.bump_height *
              luminance(eval_texture(scene.textures[material.bump], scene.texels, there));
     };
-    const Vec3& p = patch.at.p;
-    const Vec2& uv = patch.at.uv;
+    const auto& [uv, duv_x, duv_y, width_uv] = patch.sets[0];
+    const Vec3& p = patch.p;
     const double here = height(p, uv);
-    const double slope_x = (height(p + patch.dp_x, uv + patch.duv_x) - here) / patch.step,
-                 slope_y = (height(p + patch.dp_y, uv + patch.duv_y) - here) / patch.step;
+    const double slope_x = (height(p + patch.dp_x, uv + duv_x) - here) / patch.step,
+                 slope_y = (height(p + patch.dp_y, uv + duv_y) - here) / patch.step;
     // On the inside of a surface hills are valleys (Blinn 1978).
     const double side = surface.is_front ? 1 : -1;
     const Vec3 n =

@@ -7,7 +7,8 @@ namespace rayfarm {
 
 /// True if `textured` has to say what is there; of principled materials it always has.
 inline bool is_textured(const Material& material) {
-  return material.texture != kNone || material.bump != kNone || material.kind == MaterialKind::principled;
+  return material.texture != kNone || material.bump != kNone || material.is_colored ||
+         material.kind == MaterialKind::principled;
 }
 
 /// The parameters (u, v) of a primitive at a point in its object's space. Spheres: longitude from the x axis
@@ -17,11 +18,17 @@ inline bool is_textured(const Material& material) {
 /// mesh's coordinates, or as polygons.
 Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p);
 
-/// The surface's material as textures have it where the ray met it, whose shading normal a bump map tilts. Of
-/// a mix `choice`, uniform in [0, 1), chooses the part with the probability that its texture gives it; the
-/// surface then is of that part. So each look is there as often as it should be, in every lighting model, and
-/// the mean over samples is the mean of the parts' light. `width`: of the ray's cone there, in the world.
-/// `point` gets the parameters of a principled material.
+/// The second pair of a triangle whose mesh has two, else the same.
+Vec2 second_parameters(const Scene& scene, const Hit& hit, const Vec3& p);
+
+/// The colour and opacity between the vertices of a mesh that gives them, else white.
+Vec4 vertex_color(const Scene& scene, const Hit& hit, const Vec3& p);
+
+/// The surface's material as textures and colours of vertices have it where the ray met it, whose shading
+/// normal a bump map tilts. Of a mix `choice`, uniform in [0, 1), chooses the part with the probability that
+/// its texture gives it; the surface then is of that part. So each look is there as often as it should be, in
+/// every lighting model, and the mean over samples is the mean of the parts' light. `width`: of the ray's
+/// cone there, in the world. `point` gets the parameters of a principled material.
 Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
                   double choice, Surface& surface, PrincipledPoint& point);
 inline Material textured(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,

@@ -47,11 +47,11 @@ struct Material {
   Reflections reflections = Reflections::all;
   float zone_size = 0;  ///< of zones on it, in the world; 0: as is asked for all
   // Of a principled material; 1: it holds.
-  uint8_t is_solid = 0;    ///< it lets light into a body, as a dielectric does
-  uint8_t is_pierced = 0;  ///< rays may pass it as if it were not there (lighting/holes.h)
-  uint8_t is_unlit = 0;    ///< it shines with its colour to both sides, and scatters nothing
-  uint8_t is_no_lamp = 0;  ///< it shines, but no shadow ray is sent to it
-  uint32_t padding = 0;
+  uint8_t is_solid = 0;     ///< it lets light into a body, as a dielectric does
+  uint8_t is_pierced = 0;   ///< rays may pass it as if it were not there (lighting/holes.h)
+  uint8_t is_unlit = 0;     ///< it shines with its colour to both sides, and scatters nothing
+  uint8_t is_no_lamp = 0;   ///< it shines, but no shadow ray is sent to it
+  uint32_t is_colored = 0;  ///< 1: colours of meshes' vertices weigh its color, and their opacity its own
 
   double bump_height = 0;  ///< of the bump texture's white over its black
   /// Spread of what is reflected or refracted, cosⁿ about its direction; 0: none, the surface is smooth. Of a
@@ -72,6 +72,13 @@ struct Material {
   /// second, in between each with that probability.
   std::array<uint32_t, 2> parts{kNone, kNone};
 };
+
+/// Of a mesh's vertex: linear Rec. 709 and opacity, 65535 for 1.
+using VertexColor = glm::u16vec4;
+inline constexpr VertexColor kWhiteVertex{65535};
+inline VertexColor make_vertex_color(const Color& color, double opacity = 1) {
+  return VertexColor(glm::clamp(Vec4(color, opacity), 0.0, 1.0) * 65535.0 + 0.5);
+}
 
 /// Light goes through its surface into a body that has an index and a filter.
 inline bool has_inside(const Material& m) {

@@ -35,6 +35,8 @@ struct PrincipledSource {
   TextureChannel channel = TextureChannel::color;
   /// The texture's (u, v) are u_row · (u, v, 1) and v_row · (u, v, 1) of the surface's.
   Vec3 u_row{1, 0, 0}, v_row{0, 1, 0};
+  uint32_t uv_set = 0;  ///< 1: these are the second coordinates of meshes that have two
+  uint32_t padding = 0;
 };
 
 /// A material's parameters: beside its Material, which names it. Base colour and emission are also weighed by

@@ -23,12 +23,13 @@ Vec4 unit(const Vec4& v) {
 
 Vec4 eval_curve(Interpolation interpolation, std::span<const double> frames, std::span<const Vec4> values,
                 double frame) {
-  if (frame <= frames.front()) return values.front();
-  if (frame >= frames.back()) return values.back();
+  const size_t per_key = values_per_key(interpolation), in_key = per_key / 2;
+  if (frame <= frames.front()) return values[in_key];
+  if (frame >= frames.back()) return values[values.size() - 1 - in_key];
   const auto next =
       static_cast<size_t>(std::upper_bound(frames.begin(), frames.end(), frame) - frames.begin());
   const double t = (frame - frames[next - 1]) / (frames[next] - frames[next - 1]);
-  const Vec4 a = values[next - 1], b = values[next];
+  const Vec4 a = values[(next - 1) * per_key + in_key], b = values[next * per_key + in_key];
   switch (interpolation) {
     case Interpolation::step:
       return a;
@@ -38,6 +39,14 @@ Vec4 eval_curve(Interpolation interpolation, std::span<const double> frames, std
       return unit(slerp(unit(a), unit(b), t));
     case Interpolation::spherical_rotation:
       return unit(slerp(a, glm::dot(a, b) < 0 ? -b : b, t));
+    case Interpolation::cubic:
+    case Interpolation::cubic_rotation: {
+      const double length = frames[next] - frames[next - 1];
+      const Vec4 leaving = length * values[next * per_key - 1], arriving = length * values[next * per_key];
+      const double square = t * t, rise = square * (3 - 2 * t);
+      const Vec4 value = (1 - rise) * a + rise * b + t * (1 - t) * ((1 - t) * leaving - t * arriving);
+      return interpolation == Interpolation::cubic ? value : unit(value);
+    }
   }
   return a;
 }

@@ -14,14 +14,22 @@ enum class Interpolation : uint32_t {
   linear,              ///< component by component
   spherical,           ///< directions: along the great circle, lengths are not kept
   spherical_rotation,  ///< unit quaternions (x, y, z, w): along the shorter arc
-  step                 ///< the last key's value, until the next
+  step,                ///< the last key's value, until the next
+  cubic,               ///< Hermite's polynomials, component by component: keys have tangents
+  cubic_rotation       ///< the same of unit quaternions, and the result's direction
 };
+
+/// A key has one value, or with tangents three: the slope that the curve arrives with, in units a frame, the
+/// value, and the slope that it leaves with.
+inline size_t values_per_key(Interpolation interpolation) {
+  return interpolation == Interpolation::cubic || interpolation == Interpolation::cubic_rotation ? 3 : 1;
+}
 
 /// A value that depends on the frame: constant before the first key and after the last.
 struct Curve {
   Interpolation interpolation = Interpolation::linear;
   std::vector<double> frames;  ///< strictly increasing, at least one
-  std::vector<Vec4> values;    ///< one per frame; unused components are 0
+  std::vector<Vec4> values;    ///< values_per_key for each frame; unused components are 0
 
   bool is_animated() const { return frames.size() > 1; }
 };

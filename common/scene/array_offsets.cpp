@@ -165,7 +165,7 @@ void shift(Part& part, const ArrayOffsets& o) {
 void shift(Material& m, const ArrayOffsets& o) {
   auto& [color, ambient, diffuse, specular, shininess, reflect, transmit, index, kind, priority, texture,
          bump, emission, interior, reflections, zone_size, is_solid, is_pierced, is_unlit, is_no_lamp,
-         padding, bump_height, exponent, n, k, metal, is_inward, abbe, filter, back, through, diagram,
+         is_colored, bump_height, exponent, n, k, metal, is_inward, abbe, filter, back, through, diagram,
          principled, diagram_axis, diagram_zero, parts] = m;
   shift(texture, o.textures);
   shift(bump, o.textures);
@@ -177,7 +177,7 @@ void shift(Material& m, const ArrayOffsets& o) {
 void shift(PrincipledMaterial& m, const ArrayOffsets& o) {
   auto& [sources, ior, cutoff, is_one_sided, has_textures] = m;
   for (PrincipledSource& source : sources) {
-    auto& [factor, texture, channel, u_row, v_row] = source;
+    auto& [factor, texture, channel, u_row, v_row, uv_set, padding] = source;
     shift(texture, o.textures);
   }
 }

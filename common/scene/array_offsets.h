@@ -36,6 +36,7 @@ inline ArrayOffsets offsets_behind(const SceneArrays<GrowingArray>& arrays) {
 /// Plain values.
 inline void shift(glm::vec3&, const ArrayOffsets&) {}
 inline void shift(glm::vec2&, const ArrayOffsets&) {}
+inline void shift(VertexColor&, const ArrayOffsets&) {}
 inline void shift(Vec3&, const ArrayOffsets&) {}
 inline void shift(Vec4&, const ArrayOffsets&) {}
 

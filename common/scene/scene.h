@@ -45,8 +45,10 @@ struct MeshFace {
 
 struct CurveRecord {
   uint32_t interpolation = 0;
-  uint32_t first_key = 0;
+  uint32_t first_key = 0;  ///< in key_frames
   uint32_t key_count = 0;
+  uint32_t first_value = 0;  ///< in key_values
+  size_t value_count() const { return key_count * values_per_key(static_cast<Interpolation>(interpolation)); }
 };
 
 struct TransformStepRecord {

@@ -95,7 +95,7 @@ bool range_fits(uint64_t first, uint64_t count, size_t size) {
 Vec4 Scene::eval(uint32_t curve, double frame) const {
   const CurveRecord& c = curves[curve];
   return eval_curve(static_cast<Interpolation>(c.interpolation), key_frames.subspan(c.first_key, c.key_count),
-                    key_values.subspan(c.first_key, c.key_count), frame);
+                    key_values.subspan(c.first_value, c.value_count()), frame);
 }
 
 SceneBlock encode_scene(const Scene& scene) {

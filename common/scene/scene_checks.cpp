@@ -25,6 +25,10 @@ void check_primitives(const Scene& s) {
   }
   require(s.triangle_uvs.empty() || s.triangle_uvs.size() == 3 * s.triangle_shading.size(),
           "the triangles' coordinates");
+  require(s.second_uvs.empty() || s.second_uvs.size() == 3 * s.triangle_shading.size(),
+          "the triangles' second coordinates");
+  require(s.triangle_colors.empty() || s.triangle_colors.size() == 3 * s.triangle_shading.size(),
+          "the triangles' colours");
   for (const SphereRecord& sphere : s.spheres) material(sphere.material);
   OwnRanges points(s.polygon_points.size(), "a polygon's points"),
       normals(s.polygon_normals.size(), "a polygon's normals"),
@@ -48,6 +52,7 @@ void check_primitives(const Scene& s) {
   for (const uint32_t c : s.face_corners) require(c < s.mesh_points.size(), "a face's corner");
   for (const uint32_t n : s.face_normals) require(n < s.normals.size(), "a face's normal");
   require(s.face_uvs.empty() || s.face_uvs.size() == s.face_corners.size(), "the faces' coordinates");
+  require(s.face_colors.empty() || s.face_colors.size() == s.face_corners.size(), "the faces' colours");
   for (const Quadric& q : s.quadrics) {
     material(q.material);
     planes.take(q.first_plane, q.plane_count);
@@ -104,7 +109,9 @@ void check_lights(const Scene& s) {
 void check_textures(const Scene& s) {
   OwnRanges texels(s.texels.size() / 3, "an image's texels");
   for (const Texture& t : s.textures) {
-    require(t.kind <= TextureKind::array && t.octaves <= 32, "a texture's kind");
+    require(t.kind <= TextureKind::array && t.octaves <= 32 && t.wraps[0] <= TextureWrap::mirror &&
+                t.wraps[1] <= TextureWrap::mirror,
+            "a texture's kind");
     if (t.kind < TextureKind::image) continue;
     const uint32_t depth_px = t.kind == TextureKind::array ? t.depth_px : 1;
     require(t.width_px > 0 && t.height_px > 0 && depth_px > 0 && t.levels > 0 && t.levels <= 32,
@@ -158,7 +165,7 @@ void check_materials(const Scene& s) {
     require(m.ior >= 1e-3 && m.ior <= 1e3 && m.cutoff >= 0 && m.cutoff <= 1, "a principled material");
     for (const PrincipledSource& source : m.sources)
       require((source.texture == kNone || source.texture < s.textures.size()) &&
-                  source.channel <= TextureChannel::color && is_finite(source.factor) &&
+                  source.channel <= TextureChannel::color && source.uv_set <= 1 && is_finite(source.factor) &&
                   is_finite(source.u_row) && is_finite(source.v_row),
               "a principled material's texture");
   }
@@ -226,11 +233,13 @@ void check_motion(const Scene& s) {
               std::isfinite(view.shift[1]) && view.near >= 0 && view.near < view.far && view.aspect > 0,
           "the view");
   if (view.look_at != kNone) curve(view.look_at);
-  require(s.key_frames.size() == s.key_values.size(), "the keys");
-  OwnRanges keys(s.key_frames.size(), "a curve's keys"), steps(s.steps.size(), "an object's transform");
+  OwnRanges keys(s.key_frames.size(), "a curve's keys"), values(s.key_values.size(), "a curve's values"),
+      steps(s.steps.size(), "an object's transform");
   for (const CurveRecord& c : s.curves) {
-    require(c.key_count > 0 && c.interpolation <= static_cast<uint32_t>(Interpolation::step), "a curve");
+    require(c.key_count > 0 && c.interpolation <= static_cast<uint32_t>(Interpolation::cubic_rotation),
+            "a curve");
     keys.take(c.first_key, c.key_count);
+    values.take(c.first_value, c.value_count());
     const auto frames = s.key_frames.subspan(c.first_key, c.key_count);
     for (size_t i = 0; i < frames.size(); ++i)  // not NaN, and rising
       require(std::isfinite(frames[i]) && (i == 0 || frames[i - 1] < frames[i]), "a curve's keys");

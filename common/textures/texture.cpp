@@ -87,7 +87,16 @@ double fourier(const Texture& t, const Vec3& p, double width) {
   return 0.5 + 0.5 * t.strength * sum / std::max(total, 1e-9);
 }
 
-/// One level of an image, bilinearly.
+/// A pixel's place among `n`, from any in the plane.
+uint32_t wrapped(double i, uint32_t n, TextureWrap wrap) {
+  if (wrap == TextureWrap::clamp) return static_cast<uint32_t>(std::clamp(i, 0.0, n - 1.0));
+  const double copy = std::floor(i / n);
+  const uint32_t place = std::min(static_cast<uint32_t>(i - n * copy), n - 1);
+  const bool is_turned = wrap == TextureWrap::mirror && copy - 2 * std::floor(copy / 2) == 1;
+  return is_turned ? n - 1 - place : place;
+}
+
+/// One level of an image, bilinearly or not at all.
 Color image_level(const Texture& t, std::span<const uint16_t> texels, uint32_t level, const Vec2& uv) {
   size_t first = t.first_texel;
   uint32_t w = t.width_px, h = t.height_px;
@@ -98,14 +107,11 @@ Color image_level(const Texture& t, std::span<const uint16_t> texels, uint32_t l
   }
   const double x = uv.x * w - 0.5, y = (1 - uv.y) * h - 0.5;  // images begin at the top
   const double fx = std::floor(x), fy = std::floor(y);
-  const auto wrap = [](double i, uint32_t n) {
-    const double m = i - n * std::floor(i / n);
-    return std::min(static_cast<uint32_t>(m), n - 1);
-  };
   const auto texel = [&](double i, double k) {
-    const size_t at = 3 * (first + size_t{wrap(k, h)} * w + wrap(i, w));
+    const size_t at = 3 * (first + size_t{wrapped(k, h, t.wraps[1])} * w + wrapped(i, w, t.wraps[0]));
     return Color(float_of_half(texels[at]), float_of_half(texels[at + 1]), float_of_half(texels[at + 2]));
   };
+  if (t.is_nearest && level == 0) return texel(std::floor(x + 0.5), std::floor(y + 0.5));
   const double a = x - fx, b = y - fy;
   return (1 - b) * ((1 - a) * texel(fx, fy) + a * texel(fx + 1, fy)) +
          b * ((1 - a) * texel(fx, fy + 1) + a * texel(fx + 1, fy + 1));
@@ -113,7 +119,19 @@ Color image_level(const Texture& t, std::span<const uint16_t> texels, uint32_t l
 
 /// Between the two levels whose texels are about as wide as what the ray sees (Williams 1983).
 Color image(const Texture& t, std::span<const uint16_t> texels, const Vec2& uv, double width_uv) {
-  const Vec2 place(fraction(uv.x), fraction(uv.y));
+  // Of mirrored copies two make a period; what is clamped may be far off, or no number.
+  const auto place_of = [&t](double x, size_t axis) {
+    switch (t.wraps[axis]) {
+      case TextureWrap::clamp:
+        return x >= -1 && x <= 2 ? x : x > 0 ? 2.0 : -1.0;
+      case TextureWrap::mirror:
+        return 2 * fraction(x / 2);
+      case TextureWrap::repeat:
+        break;
+    }
+    return fraction(x);
+  };
+  const Vec2 place(place_of(uv.x, 0), place_of(uv.y, 1));
   const double wide = std::max(1.0, width_uv * std::max(t.width_px, t.height_px));
   // In this order: what is no number chooses the smallest level.
   const double level = std::min(static_cast<double>(t.levels - 1), portable_log(wide) / std::numbers::ln2);

@@ -2,12 +2,20 @@
 // Textures (thesis 2.3.6; Shirley, Sung and Brown 1991, section 2.1): a texture answers for a point in space
 // and a pair (u, v), and uses what it needs of both. Plain data; the texels of images and arrays stand in the
 // scene's arrays.
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "common/math/vector.h"
 
 namespace rayfarm {
+
+/// What of an image is seen outside of (u, v) from 0 to 1.
+enum class TextureWrap : uint16_t {
+  repeat,
+  clamp,  ///< its outermost pixels go on
+  mirror  ///< every second copy is mirrored
+};
 
 enum class TextureKind : uint32_t {
   checker,  ///< cubes of side 1
@@ -17,7 +25,7 @@ enum class TextureKind : uint32_t {
   boards,   ///< a floor of boards along x, `aspect` long and 1 wide, each with its own place in the tree
   bricks,   ///< a wall in x and y, `aspect` long and 1 high, each with its own tint; mortar `gap` wide
   fourier,  ///< a sum of `octaves` sines, each in a direction of its own (thesis 2.3.6)
-  image,    ///< in (u, v), repeated
+  image,    ///< in (u, v)
   array     ///< values in space (thesis 2.3.6), from `first` for 0 to `second` for 1; each cell is 1 wide
 };
 
@@ -33,6 +41,8 @@ struct Texture {
   uint32_t first_texel = 0, width_px = 0, height_px = 0, levels = 0;
   Vec3 from{0};                            ///< of an array: the corner of its first cell; else 0
   uint32_t depth_px = 0, is_repeated = 1;  ///< of an array; else its outermost values go on outside of it
+  std::array<TextureWrap, 2> wraps{};      ///< of an image, along u and v
+  uint32_t is_nearest = 0;                 ///< 1: an image's pixels are seen as squares where they are large
 };
 
 /// Of an image or array, at all its levels; else 0.

@@ -49,7 +49,8 @@ std::span<const std::byte> bytes_of(std::string_view text) {
 
 /// Of all that is seen, whoever looks at it. The curves of the view are the last, and so are their keys.
 std::string hash_without_view(const Scene& scene) {
-  const uint32_t curves = scene.head().view.location, keys = scene.curves[curves].first_key;
+  const uint32_t curves = scene.head().view.location;
+  const auto& [interpolation, first_key, key_count, first_value] = scene.curves[curves];
   std::string hashes;
   for_each_array(scene, [&]<typename T>(const char* name, std::span<const T> array) {
     if constexpr (std::is_same_v<T, SceneHeader>) {
@@ -58,12 +59,12 @@ std::string hash_without_view(const Scene& scene) {
       hashes += sha256(std::as_bytes(std::span(&header, 1)));
       return;
     }
-    const bool is_of_keys = array.data() == static_cast<const void*>(scene.key_frames.data()) ||
-                            array.data() == static_cast<const void*>(scene.key_values.data());
     if (std::is_same_v<T, CurveRecord>)
       array = array.first(curves);
-    else if (is_of_keys)
-      array = array.first(keys);
+    else if (array.data() == static_cast<const void*>(scene.key_frames.data()))
+      array = array.first(first_key);
+    else if (array.data() == static_cast<const void*>(scene.key_values.data()))
+      array = array.first(first_value);
     hashes += fmt::format("{} {} ", name, sha256(std::as_bytes(array)));
   });
   return sha256(bytes_of(hashes));
