@@ -23,7 +23,7 @@ inline ObjOutcome read_obj(std::string_view text, const std::string& path, std::
   scene.materials.emplace_back("default");
   ObjOutcome outcome;
   try {
-    outcome.mesh = read_obj_mesh(scene, text, path, 0, smoothing, borders);
+    outcome.mesh = read_obj_mesh(scene, text, {path, 0, smoothing, {}}, borders);
   } catch (const InputError& e) {
     outcome.error = e.what();
   }

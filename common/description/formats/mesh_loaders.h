@@ -13,7 +13,8 @@ struct MeshRequest {
   std::string path;
   uint32_t material = 0;  ///< of faces to which the file gives none
   Smoothing smoothing = Smoothing::flat;
-  Place place;  ///< of the request
+  Place place;                         ///< of the request
+  bool is_smoothing_asked_for = true;  ///< else it is the file's own, where that says what is smooth
 };
 
 /// Adds what the file holds to an object, and its materials and notes to the scene.

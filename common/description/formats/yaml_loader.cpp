@@ -267,7 +267,7 @@ class Loader {
       }
     if (auto v = map.find("mesh")) {
       ++contents;
-      read_mesh(*v, target, inherited, own_material);
+      read_mesh(*v, map, target, inherited, own_material);
     }
     if (auto v = map.find("light")) {
       ++contents;
@@ -326,11 +326,25 @@ class Loader {
     }
   }
 
-  void read_mesh(const YamlValue& value, uint32_t object, const Inherited& inherited,
+  /// True if the node's material replaces those of its mesh's file; said there or in the mesh.
+  static bool has_override(YamlMap& node, YamlMap& mesh, const Inherited& inherited) {
+    bool is_said = false;
+    for (YamlMap* map : {&node, &mesh})
+      if (auto v = map->find("override"); v && v->boolean()) {
+        is_said = true;
+        if (inherited.material == 0)
+          v->fail("`override` puts a `material` of the scene in place of the file's; give that, too");
+      }
+    return is_said;
+  }
+
+  void read_mesh(const YamlValue& value, YamlMap& node, uint32_t object, const Inherited& inherited,
                  const std::optional<YamlValue>& own_material) {
     YamlMap map(value);
     const YamlValue file = map.require("file");
+    const bool has_smoothing = map.has("smooth");
     const Smoothing smoothing = read_smoothing(map, Smoothing::flat);
+    const bool is_replaced = has_override(node, map, inherited);
     map.finish();
     const std::string path = (std::filesystem::path(folder()) / file.text()).string();
     const MeshFormat* format = find_mesh_format(path);
@@ -338,10 +352,17 @@ class Loader {
     const size_t first_object = scene_.objects.size(),
                  first_primitive = scene_.objects[object].primitives.size();
     try {
-      format->load(scene_, object, {path, inherited.material, smoothing, value.place()}, options_);
+      format->load(scene_, object, {path, inherited.material, smoothing, value.place(), has_smoothing},
+                   options_);
     } catch (const IoError& e) {
       file.fail(e.what());
     }
+    if (is_replaced)
+      visit_added(object, first_primitive, first_object, [&](PrimitiveDescription& primitive) {
+        primitive.material = inherited.material;
+        if (auto* mesh = std::get_if<MeshShape>(&primitive.shape))
+          mesh->materials = mesh->polygons.materials = {};
+      });
     if (own_material) {
       bool is_used = false;
       visit_added(object, first_primitive, first_object, [&](const PrimitiveDescription& primitive) {
@@ -350,7 +371,8 @@ class Loader {
       if (!is_used)
         scene_.notes.add(
             scene_.source(own_material->place()),
-            fmt::format("material '{}' is not used: the mesh's file gives all faces their materials",
+            fmt::format("material '{}' is not used: the mesh's file gives all faces their materials; "
+                        "`override: true` puts this one in their place",
                         own_material->text()));
     }
     if (inherited.zone_size != 0)
