@@ -25,13 +25,24 @@ using MeshLoader = void (*)(SceneDescription& scene, uint32_t object, const Mesh
 void load_obj_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
                    const LoadOptions& options);
 
+/// PLY, in text and in bytes: one primitive; colours of vertices.
+void load_ply_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                   const LoadOptions& options);
+/// STL, in text and in bytes: one primitive, all solids of the file; equal points are one.
+void load_stl_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                   const LoadOptions& options);
+/// Geomview's OFF in three dimensions, in text, with normals, colours and coordinates: one primitive.
+void load_off_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                   const LoadOptions& options);
+
 struct MeshFormat {
   const char* extension;
   MeshLoader load;
 };
 
 /// Every format that a mesh may be in.
-inline constexpr MeshFormat kMeshFormats[] = {{".obj", load_obj_mesh}};
+inline constexpr MeshFormat kMeshFormats[] = {
+    {".obj", load_obj_mesh}, {".off", load_off_mesh}, {".ply", load_ply_mesh}, {".stl", load_stl_mesh}};
 
 /// The format of a file by its name; null if it is none of them.
 const MeshFormat* find_mesh_format(const std::string& path);

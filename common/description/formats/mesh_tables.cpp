@@ -3,7 +3,9 @@
 #include <numeric>
 
 #include "common/description/formats/mesh_faces.h"
+#include "common/description/formats/mesh_normals.h"
 #include "common/description/formats/table_values.h"
+#include "common/image/pixel_format.h"
 #include "common/parallel/parallel_for.h"
 
 namespace rayfarm {
@@ -76,8 +78,8 @@ struct VertexNumbers {
 
 class MeshTableReader {
  public:
-  MeshTableReader(const MeshTables& tables, const std::string& path, const std::stop_token& stop,
-                  std::vector<TableChunk> chunks, std::optional<Smoothing> smoothing);
+  MeshTableReader(const MeshTables& tables, const MeshRequest& request, const std::stop_token& stop,
+                  std::vector<TableChunk> chunks);
 
   MeshShape read(ReadProgress* progress);
   const ChunkCounts& counts() const { return all_; }
@@ -125,10 +127,9 @@ class MeshTableReader {
   MeshShape mesh_;
 };
 
-MeshTableReader::MeshTableReader(const MeshTables& tables, const std::string& path,
-                                 const std::stop_token& stop, std::vector<TableChunk> chunks,
-                                 std::optional<Smoothing> smoothing)
-    : tables_(tables), path_(path), stop_(stop), chunks_(std::move(chunks)), counts_(chunks_.size()) {
+MeshTableReader::MeshTableReader(const MeshTables& tables, const MeshRequest& request,
+                                 const std::stop_token& stop, std::vector<TableChunk> chunks)
+    : tables_(tables), path_(request.path), stop_(stop), chunks_(std::move(chunks)), counts_(chunks_.size()) {
   all_.rests.resize(tables.tables.size());
   bool has_normals = false;
   for (const MeshTable& table : tables.tables) {
@@ -144,7 +145,7 @@ MeshTableReader::MeshTableReader(const MeshTables& tables, const std::string& pa
       if (column.role == ColumnRole::alpha) opacity_ = color_scale_of(column.type);
     }
   }
-  mesh_.smoothing = smoothing.value_or(has_normals ? Smoothing::phong : Smoothing::flat);
+  mesh_.smoothing = !request.is_smoothing_asked_for && has_normals ? Smoothing::phong : request.smoothing;
   mesh_.positions.resize(vertices_);
   if (has_normals && mesh_.smoothing != Smoothing::flat) mesh_.normals.resize(vertices_);
   if (has_colors_) mesh_.colors.resize(vertices_);
@@ -364,24 +365,15 @@ bool MeshTable::has(ColumnRole role) const {
   return std::any_of(columns.begin(), columns.end(), [&](const TableColumn& c) { return c.role == role; });
 }
 
-MeshShape read_mesh_tables(SceneDescription& scene, const MeshTables& tables, const std::string& path,
-                           std::optional<Smoothing> smoothing, std::span<const size_t> borders,
-                           const std::stop_token& stop, ReadProgress* progress) {
-  count_opened(progress, tables.body.size());
-  MeshTableReader reader(tables, path, stop, cut_tables(scene, tables, path, borders, stop), smoothing);
-  MeshShape mesh = reader.read(progress);
-  add_table_notes(scene.notes, tables, path, reader.counts());
-  const size_t faces = mesh.triangles.size() + mesh.polygons.sides.size();
-  if (faces == 0)
-    throw InputError(
-        {path},
-        fmt::format("the file has no faces{}",
-                    mesh.positions.empty()
-                        ? ""
-                        : ", points alone; Rayfarm renders surfaces: make one of them first, with MeshLab or "
-                          "CloudCompare for one"));
-  if (faces > limits::kPrimitives) throw InputError({path}, "the mesh has too many faces");
-  if (mesh.smoothing != Smoothing::flat && mesh.normals.empty()) average_normals(mesh, stop);
+MeshShape read_mesh_tables(SceneDescription& scene, const MeshTables& tables, const MeshRequest& request,
+                           std::span<const size_t> borders, const LoadOptions& options) {
+  count_opened(options.progress, tables.body.size());
+  MeshTableReader reader(tables, request, options.stop,
+                         cut_tables(scene, tables, request.path, borders, options.stop));
+  MeshShape mesh = reader.read(options.progress);
+  add_table_notes(scene.notes, tables, request.path, reader.counts());
+  check_faces(mesh, request.path);
+  if (mesh.smoothing != Smoothing::flat && mesh.normals.empty()) smooth_normals(mesh, {}, options.stop);
   return mesh;
 }
 

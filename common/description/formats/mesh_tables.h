@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/description/scene_description.h"
+#include "common/description/formats/mesh_loaders.h"
 
 namespace rayfarm {
 
@@ -64,12 +64,11 @@ struct MeshTables {
   size_t bytes_before = 0;  ///< the same
 };
 
-/// Reads the body of the file `path`; what is not used is noted in the scene. Text is cut at the first rows
-/// behind `borders`, which rise. Without `smoothing` the mesh is smooth if the vertices have normals; where
-/// it is smooth and they have none, they are averaged. Colours in whole numbers are sRGB, others linear.
-/// Memory is bounded by the size of the body, whatever the tables claim. Throws InputError and Stopped.
-MeshShape read_mesh_tables(SceneDescription& scene, const MeshTables& tables, const std::string& path,
-                           std::optional<Smoothing> smoothing, std::span<const size_t> borders,
-                           const std::stop_token& stop = {}, ReadProgress* progress = nullptr);
+/// Reads the body of the file that is asked for; what is not used is noted in the scene. Text is cut at the
+/// first rows behind `borders`, which rise. Where no smoothing is asked for, the mesh is smooth if its
+/// vertices have normals. Colours in whole numbers are sRGB, others linear. Memory is bounded by the size of
+/// the body, whatever the tables claim. Throws InputError and Stopped.
+MeshShape read_mesh_tables(SceneDescription& scene, const MeshTables& tables, const MeshRequest& request,
+                           std::span<const size_t> borders, const LoadOptions& options);
 
 }  // namespace rayfarm

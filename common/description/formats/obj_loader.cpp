@@ -197,9 +197,7 @@ MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const Me
   ObjRecords records(scene, request.path, request.material, options.stop);
   joiner.add_to(records);
   const SmoothingGroups groups = joiner.join(records);
-  const size_t face_count = mesh.triangles.size() + mesh.polygons.sides.size();
-  if (face_count == 0) throw InputError({request.path}, "the file has no faces");
-  if (face_count > limits::kPrimitives) throw InputError({request.path}, "the mesh has too many faces");
+  check_faces(mesh, request.path);
   if (mesh.smoothing == Smoothing::flat || !mesh.normals.empty()) return mesh;
   if (records.has_smoothing() && !records.is_smooth())
     scene.notes.add({request.path}, "`smooth` is not used: the file says `s off`, its faces are flat");

@@ -37,9 +37,7 @@ class TableCutter {
       : tables_(tables), path_(path), stop_(stop) {}
 
   void cut_text_at(std::span<const size_t> borders) {
-    const std::vector<std::string_view> pieces =
-        cut_text(tables_.body, borders,
-                 [](std::string_view text, size_t at) { return at == 0 || ends_line(text, at - 1); });
+    const std::vector<std::string_view> pieces = cut_text(tables_.body, borders, begins_line);
     std::vector<LineCount> counts(pieces.size());
     parallel_for(pieces.size(), [&](size_t i) { count_lines(pieces[i], UINT64_MAX, stop_, counts[i]); });
     int lines = tables_.lines_before;
