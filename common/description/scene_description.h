@@ -255,6 +255,13 @@ struct ObjectDescription {
   Place bound_place{};
 };
 
+/// An option of `rayfarm render` that a scene asks for, as the command line has it.
+struct RenderChoice {
+  std::string name;   ///< without dashes in front
+  std::string value;  ///< true: of one that takes none
+  Place place;
+};
+
 struct SceneDescription {
   std::vector<std::string> files;  ///< every file read; [0] is the scene
   ViewDescription view;
@@ -276,6 +283,7 @@ struct SceneDescription {
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;
   std::optional<std::array<int, 2>> frames;  ///< first and last
+  std::vector<RenderChoice> render;          ///< how it wants to be rendered, where the user leaves it open
   Notes notes;                               ///< of loading
 
   SourcePlace source(const Place& p) const {

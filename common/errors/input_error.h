@@ -28,6 +28,8 @@ class InputError : public std::runtime_error {
  public:
   InputError(const SourcePlace& place, std::string_view problem)
       : std::runtime_error(fmt::format("{}: {}", to_string(place), problem)) {}
+  /// Several, a line each.
+  explicit InputError(const std::string& lines) : std::runtime_error(lines) {}
 };
 
 /// A file could not be read or written.

@@ -175,7 +175,7 @@ void shift(Material& m, const ArrayOffsets& o) {
 }
 
 void shift(PrincipledMaterial& m, const ArrayOffsets& o) {
-  auto& [sources, ior, cutoff, is_one_sided, has_textures] = m;
+  auto& [sources, ior, cutoff, is_one_sided, has_textures, has_coefficients, unused] = m;
   for (PrincipledSource& source : sources) {
     auto& [factor, texture, channel, u_row, v_row, uv_set, padding] = source;
     shift(texture, o.textures);

@@ -11,6 +11,7 @@
 #include "common/materials/principled.h"
 #include "common/math/affine.h"
 #include "common/memory/large_vector.h"
+#include "common/scene/animation.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/hierarchy_records.h"
 #include "common/scene/light.h"

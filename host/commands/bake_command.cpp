@@ -50,7 +50,7 @@ void add_bake_command(CommandLine& line) {
   Verb verb;
   verb.name = "bake";
   verb.help = "write the light of a scene's zones for other programs";
-  verb.check = [words] { check_bake(*words); };
+  verb.check = [words](const auto&) { check_bake(*words); };
   verb.run = [words](const Renders& renders) { return renders.as_launched(words->job); };
   verb.is_for_all_ranks = true;
   Options options = line.add(std::move(verb));

@@ -6,6 +6,7 @@
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/commands/hierarchy_options.h"
+#include "host/commands/scene_choices.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
 
@@ -27,6 +28,7 @@ void list_files_outside(const SceneDescription& scene) {
 
 int check(const std::string& path, const BuildOptions& build) {
   const SceneDescription scene = load_scene(path);
+  check_scene_choices(scene);
   const CompiledScene compiled = compile_and_look(scene, build);
   for (const std::string& file : scene.files) fmt::print("{}\n", file);
   list_files_outside(scene);

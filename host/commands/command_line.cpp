@@ -67,6 +67,7 @@ const Option& Option::read_first() const {
 
 Option Options::add(CLI::Option* option) {
   if (!option->get_positional()) option->group(group_);
+  option->configurable(asked_by_ == AskedBy::scenes_too);  // as the library calls what files may set
   return Option(option);
 }
 
@@ -191,8 +192,9 @@ Request CommandLine::parse(int argc, char** argv) {
                    kUsageError};
   };
   try {
-    app_->parse(argc, argv);
-    chosen_->check();
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    read_words(words);
+    chosen_->check(words);
     return {chosen_, {}, kComplete};
   } catch (const CLI::ParseError& e) {
     std::ostringstream out, err;
@@ -201,6 +203,41 @@ Request CommandLine::parse(int argc, char** argv) {
   } catch (const UsageError& e) {
     return refuse(e.what());
   }
+}
+
+void CommandLine::read_words(const std::vector<std::string>& words) {
+  app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));  // as the library takes them
+}
+
+void CommandLine::read(const std::vector<std::string>& words) {
+  try {
+    read_words(words);
+  } catch (const CLI::ParseError& e) {
+    throw UsageError(e.what());
+  }
+}
+
+const CLI::Option* CommandLine::find_option(const std::string& command, const std::string& name) const {
+  return std::as_const(*app_).get_subcommand(command)->get_option_no_throw(name);
+}
+
+bool CommandLine::is_given(const std::string& command, const std::string& name) const {
+  const CLI::Option* option = find_option(command, name);
+  return option && option->count() > 0;
+}
+
+OptionKind CommandLine::kind_of(const std::string& command, const std::string& name) const {
+  const CLI::Option* option = find_option(command, name);
+  if (!option) return OptionKind::none;
+  return option->get_configurable() ? OptionKind::for_scenes : OptionKind::for_users;
+}
+
+std::vector<std::string> CommandLine::names_for_scenes(const std::string& command) const {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : std::as_const(*app_).get_subcommand(command)->get_options())
+    if (option->get_configurable() && !option->get_lnames().empty())
+      names.push_back(option->get_lnames().front());
+  return names;
 }
 
 std::string CommandLine::find_unknown_word(int argc, char** argv) const {

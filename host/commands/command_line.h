@@ -26,6 +26,15 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Who may give an option.
+enum class AskedBy {
+  command_line,
+  scenes_too  ///< where the command line does not
+};
+
+/// What a name is among a command's options.
+enum class OptionKind { none, for_users, for_scenes };
+
 /// What can be said of an option once it is added.
 class Option {
  public:
@@ -47,7 +56,10 @@ class Options {
   explicit Options(CLI::App* command) : command_(command) {}
 
   /// The options that follow stand under this title in the help.
-  void begin_group(const std::string& title) { group_ = title; }
+  void begin_group(const std::string& title, AskedBy asked_by = AskedBy::command_line) {
+    group_ = title;
+    asked_by_ = asked_by;
+  }
 
   /// `type` is what the help says it takes.
   Option text(const std::string& names, std::string& target, const std::string& help,
@@ -95,6 +107,7 @@ class Options {
   Option add(CLI::Option* option);
   CLI::App* command_;
   std::string group_ = "Options";
+  AskedBy asked_by_ = AskedBy::command_line;
 };
 
 /// What Options::choice takes of an enumeration whose words stand in the order of its values.
@@ -115,8 +128,8 @@ struct Verb {
   std::string name, help;
   /// Does what was asked for and returns the exit code. Results go to stdout, problems are thrown.
   std::function<int(const Renders&)> run;
-  /// Throws UsageError if what was typed does not fit together.
-  std::function<void()> check = [] {};
+  /// Throws UsageError if what was typed, the words from the command's name on, does not fit together.
+  std::function<void(const std::vector<std::string>&)> check = [](const auto&) {};
   bool is_for_all_ranks = false;  ///< else it is one process's work
 };
 
@@ -137,7 +150,17 @@ class CommandLine {
   Options add(Verb verb);
   Request parse(int argc, char** argv);
 
+  /// Reads words, the first of which is a command, into the targets of its options. Throws UsageError.
+  void read(const std::vector<std::string>& words);
+  /// Of a command's options, by `--name`: whether the words had it, and who may give it.
+  bool is_given(const std::string& command, const std::string& name) const;
+  OptionKind kind_of(const std::string& command, const std::string& name) const;
+  /// Without dashes, each option by its first name.
+  std::vector<std::string> names_for_scenes(const std::string& command) const;
+
  private:
+  void read_words(const std::vector<std::string>& words);
+  const CLI::Option* find_option(const std::string& command, const std::string& name) const;
   /// Names the first word that is no command or option, and what was probably meant; or nothing.
   std::string find_unknown_word(int argc, char** argv) const;
   std::unique_ptr<CLI::App> app_;

@@ -56,7 +56,7 @@ void add_compile_command(CommandLine& line) {
   Verb verb;
   verb.name = "compile";
   verb.help = "build the hierarchies of a scene's objects once, into a file that scenes use";
-  verb.check = [o] { check_options(*o); };
+  verb.check = [o](const auto&) { check_options(*o); };
   verb.run = [o](const Renders&) { return compile_objects(*o); };
   Options options = line.add(std::move(verb));
   options.text("SCENE", o->scene, ".yaml or .nff, whose objects are compiled").required();

@@ -43,7 +43,7 @@ void add_experiment_command(CommandLine& line) {
   Verb verb;
   verb.name = "experiment";
   verb.help = "reproduce an experiment of the seeds, and write a page about it";
-  verb.check = [choice] {
+  verb.check = [choice](const auto&) {
     if (choice->name != "sampling" && (choice->options.samples || choice->options.seeds))
       throw UsageError("--samples and --seeds belong to the experiment sampling");
     if (choice->name != "hierarchies" && choice->options.is_picture_of_tests)

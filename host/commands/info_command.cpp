@@ -155,6 +155,8 @@ int print_info(const std::string& path, const BuildOptions& build, const ZoneSet
   if (!box.is_empty())
     fmt::print("bounds\n  x {:g} to {:g}, y {:g} to {:g}, z {:g} to {:g}\n", box.lo.x, box.hi.x, box.lo.y,
                box.hi.y, box.lo.z, box.hi.z);
+  if (!scene.render.empty()) fmt::print("render, where the command line says nothing else\n");
+  for (const RenderChoice& choice : scene.render) fmt::print("  {} {}\n", choice.name, choice.value);
   print_zones(s, zones, scene.frames ? (*scene.frames)[0] : 0);
   fmt::print("object tree\n");
   size_t lines = 60;

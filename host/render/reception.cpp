@@ -19,8 +19,8 @@ constexpr double kLongReading_s = 1;
 class SceneLoading {
  public:
   explicit SceneLoading(const RenderOptions& options)
-      : future_(std::async(std::launch::async | std::launch::deferred, load, options.scene, options.build,
-                           options.settings.self_hit, &reading_, &building_, stop_.get_token())) {}
+      : future_(std::async(std::launch::async | std::launch::deferred, load, options, &reading_, &building_,
+                           stop_.get_token())) {}
   ~SceneLoading() { stop_.request_stop(); }
   SceneLoading(const SceneLoading&) = delete;
   SceneLoading& operator=(const SceneLoading&) = delete;
@@ -33,17 +33,20 @@ class SceneLoading {
   const BuildProgress& building() const { return building_; }
 
  private:
-  static LoadedScene load(const std::string& path, BuildOptions build, SelfHit self_hit,
-                          ReadProgress* reading, BuildProgress* building, std::stop_token stop) {
+  static LoadedScene load(const RenderOptions& options, ReadProgress* reading, BuildProgress* building,
+                          std::stop_token stop) {
     LoadedScene loaded;
     const double begin = now_s();
-    loaded.description = load_scene(path, {.stop = stop, .progress = reading});
+    loaded.description = load_scene(options.scene, {.stop = stop, .progress = reading});
     loaded.load_s = now_s() - begin;
+    loaded.options = options.adopt ? options.adopt(loaded.description) : options;
+    BuildOptions build = options.build;
     build.progress = building;
     build.stop = std::move(stop);
     loaded.compiled = compile(loaded.description, build);
     loaded.build_s = now_s() - begin - loaded.load_s;
-    if (self_hit == SelfHit::medium) loaded.open_objects = find_open_objects(loaded.description);
+    if (loaded.options.settings.self_hit == SelfHit::medium)
+      loaded.open_objects = find_open_objects(loaded.description);
     for (ObjectDescription& object : loaded.description.objects) object.primitives = {};  // they are compiled
     return loaded;
   }

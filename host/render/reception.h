@@ -7,6 +7,7 @@
 namespace rayfarm {
 
 struct LoadedScene {
+  RenderOptions options;  ///< with what the scene asks for
   SceneDescription description;
   CompiledScene compiled;
   std::vector<uint32_t> open_objects;  ///< where rays have to know what they are in

@@ -77,6 +77,7 @@ class Render {
       log_->warn(note);
     RollCall roll_call(farm_.transport, result_);
     loaded_ = load_while_nodes_report(options_, roll_call);
+    options_ = loaded_->options;
     return render_loaded(roll_call);
   }
 
@@ -190,6 +191,10 @@ class Render {
     result_.times.build_s = loaded_->build_s;
     result_.scene_bytes = loaded_->compiled.block.size;
     for (const std::string& note : loaded_->compiled.notes.lines()) log_->warn(note);
+    const SceneDescription& scene = loaded_->description;
+    if (!options_.adopt && !scene.render.empty())
+      log_->warn("{}: `render` is for `rayfarm render`, and does nothing here",
+                 to_string(scene.source(scene.render.front().place)));
 
     const RenderSettings settings = choose_settings(options_, loaded_->description);
     for (const std::string& note : name_idle_options(settings, loaded_->description)) log_->warn(note);
@@ -288,7 +293,7 @@ class Render {
     return result_.frames_failed() == result_.frames.size() ? kRenderFailure : kSomeFramesFailed;
   }
 
-  const RenderOptions& options_;
+  RenderOptions options_;
   Farm& farm_;
   std::shared_ptr<spdlog::logger> log_;
   JobResult result_;

@@ -1,10 +1,12 @@
 #pragma once
 // What a render is asked for.
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/description/scene_description.h"
 #include "common/hierarchy/builder.h"
 #include "common/image/image_file.h"
 #include "common/scene/render_settings.h"
@@ -44,6 +46,10 @@ struct RenderOptions {
   std::string zones_file;           ///< where the light of zones is kept; empty: nowhere
   ProgressStyle progress = ProgressStyle::automatic;
   bool is_quiet = false, is_verbose = false, is_full_report = false;
+
+  /// These options and those that the loaded scene asks for beside them; unset: it is not asked. Throws
+  /// InputError and JobError.
+  std::function<RenderOptions(const SceneDescription&)> adopt;
 
   /// Of a subpolygon: what was asked for, or the wire's.
   int least_side() const { return least_side_px.value_or(least_side_of(wire)); }

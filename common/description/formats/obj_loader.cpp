@@ -9,6 +9,7 @@
 #include "common/description/formats/obj_records.h"
 #include "common/description/formats/text_pieces.h"
 #include "common/files/read_file.h"
+#include "common/image/pixel_format.h"
 #include "common/parallel/parallel_for.h"
 
 namespace rayfarm {
@@ -16,6 +17,13 @@ namespace {
 
 /// How often long loops ask whether to stop.
 constexpr size_t kFacesPerLook = 1 << 12;
+
+/// Colours of vertices are written as they are shown, in sRGB (Blender, MeshLab): from 0 to 1, or to 255.
+VertexColor decoded_color(const glm::vec3& c, double white) {
+  if (c == ObjPiece::kNoColor) return kWhiteVertex;
+  const Vec3 shown = glm::clamp(Vec3(c) / white, 0.0, 1.0);
+  return make_vertex_color({decode_srgb(shown.x), decode_srgb(shown.y), decode_srgb(shown.z)});
+}
 
 /// Joins the pieces of one file to a mesh.
 class MeshJoiner {
@@ -74,6 +82,12 @@ class MeshJoiner {
     const bool has_groups = mesh_.smoothing != Smoothing::flat && all.normal == 0 && records.has_smoothing();
     mesh_.positions.resize(all.position);
     mesh_.normals.resize(all.normal);
+    float largest_color = 0;
+    for (const ObjPiece& piece : pieces_) {
+      largest_color = std::max(largest_color, piece.largest_color);
+      if (!piece.colors.empty()) mesh_.colors.resize(all.position, kWhiteVertex);
+    }
+    const double white = largest_color > 2 ? 255 : 1;
     mesh_.uvs.resize(all.uv + (all.uv > 0), glm::vec2(0));  // the last: of corners that have none
     resize_faces(mesh_, all.faces);
     mesh_.materials.resize(all.faces.triangle);
@@ -90,6 +104,9 @@ class MeshJoiner {
                 mesh_.positions.begin() + offset(at.position));
       std::copy(piece.normals.begin(), piece.normals.end(), mesh_.normals.begin() + offset(at.normal));
       std::copy(piece.uvs.begin(), piece.uvs.end(), mesh_.uvs.begin() + offset(at.uv));
+      if (!piece.colors.empty())
+        std::transform(piece.colors.begin(), piece.colors.end(), mesh_.colors.begin() + offset(at.position),
+                       [white](const glm::vec3& c) { return decoded_color(c, white); });
       join_faces(i, records, groups);
       piece = {};
     });

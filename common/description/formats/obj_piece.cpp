@@ -81,8 +81,9 @@ class PieceReader {
     if (!(max_magnitude(p) <= limits::kCoordinate) && piece_.first_bad_position == SIZE_MAX)
       piece_.first_bad_position = piece_.positions.size();
     if (count >= 6) {
-      piece_.colors.resize(piece_.positions.size(), glm::vec3(1));
+      piece_.colors.resize(piece_.positions.size(), ObjPiece::kNoColor);
       piece_.colors.emplace_back(v[3], v[4], v[5]);
+      piece_.largest_color = std::max({piece_.largest_color, v[3], v[4], v[5]});
     }
     if ((count == 4 && v[3] != 1) || count == 5) count_unused("what stands behind a vertex's coordinates");
     piece_.positions.emplace_back(v[0], v[1], v[2]);

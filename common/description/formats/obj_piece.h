@@ -17,8 +17,10 @@ struct ObjPiece {
   static constexpr int kBeforeFirst = -2;  ///< counted back beyond the file's beginning
 
   LargeVector<glm::vec3> positions, normals;
-  /// Of positions up to the last that has one, as they are written; empty if none has. White is (1, 1, 1).
+  /// Of positions up to the last that has one, as they are written; empty if none has.
   LargeVector<glm::vec3> colors;
+  static constexpr glm::vec3 kNoColor{-1};
+  float largest_color = 0;  ///< of all their numbers
   LargeVector<glm::vec2> uvs;
   LargeVector<uint32_t> sides;  ///< of each face, those of fewer than three among them; none has 0
   /// By part, one a corner, counted from 0; empty if no corner of the piece names any.

@@ -29,6 +29,32 @@ Vec4 read_orientation(const YamlValue& v) {
   return quaternion(axis, degrees);
 }
 
+/// `{axis, degrees}`, or degrees about the axes x, y and z, in this order.
+void add_rotation(const YamlValue& value, std::vector<TransformStep>& steps) {
+  const bool is_about_axis = value.is_map() && (YamlMap(value).has("axis") || YamlMap(value).has("degrees"));
+  if (is_about_axis) {
+    YamlMap map(value);
+    TransformStep step{TransformKind::rotate, {}, map.require("axis").direction(), {}};
+    step.curve = read_curve(map.require("degrees"), Interpolation::linear, read_number);
+    map.finish();
+    steps.push_back(std::move(step));
+    return;
+  }
+  const Curve degrees = read_curve(value, Interpolation::linear, [](const YamlValue& v) {
+    if (!v.is_sequence())
+      v.fail(
+          "a rotation is `[x, y, z]`, degrees about the axes one after the other, or `{axis: [0, 1, 0], "
+          "degrees: 90}`");
+    return read_point(v);
+  });
+  for (int axis = 0; axis < 3; ++axis) {
+    TransformStep step{TransformKind::rotate, degrees, Vec3(0), {}};
+    step.axis[axis] = 1;
+    for (Vec4& v : step.curve.values) v = Vec4(v[axis], 0, 0, 0);
+    steps.push_back(std::move(step));
+  }
+}
+
 Affine read_matrix(const YamlValue& v) {
   const std::vector<double> m = v.numbers();
   if (m.size() != 12 && m.size() != 16)
@@ -92,22 +118,14 @@ std::vector<TransformStep> read_transform(const YamlValue& value) {
   const std::vector<YamlValue> items = value.is_sequence() ? value.items() : std::vector<YamlValue>{value};
   for (const YamlValue& item : items) {
     YamlMap map(item);
-    const size_t before = steps.size();
+    int kinds = 0;
+    for (const char* kind : {"translate", "scale", "rotate", "orient", "matrix"}) kinds += map.has(kind);
     if (auto v = map.find("translate"))
       steps.push_back({TransformKind::translate, read_curve(*v, Interpolation::linear, read_point), {}, {}});
     if (auto v = map.find("scale"))
       steps.push_back({TransformKind::scale, read_curve(*v, Interpolation::linear, read_scale), {}, {}});
     if (auto v = map.find("rotate")) {
-      if (!v->is_map())
-        v->fail(
-            "a rotation is about one axis: `rotate: {axis: [0, 1, 0], degrees: 90}`; for several write a "
-            "list of "
-            "steps");
-      YamlMap rotate(*v);
-      TransformStep step{TransformKind::rotate, {}, rotate.require("axis").direction(), {}};
-      step.curve = read_curve(rotate.require("degrees"), Interpolation::linear, read_number);
-      rotate.finish();
-      steps.push_back(step);
+      add_rotation(*v, steps);
     }
     if (auto v = map.find("orient")) {
       YamlMap probe(*v);
@@ -121,7 +139,7 @@ std::vector<TransformStep> read_transform(const YamlValue& value) {
     if (auto v = map.find("matrix"))
       steps.push_back({TransformKind::matrix, constant_curve(Vec4(0)), {}, read_matrix(*v)});
     map.finish();
-    if (steps.size() != before + 1)
+    if (kinds != 1)
       item.fail(
           "each step of a transform is one of: translate, rotate, scale, orient, matrix; write a list of "
           "steps");

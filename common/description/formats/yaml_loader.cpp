@@ -1,410 +1,240 @@
 // Rayfarm's scene format. scenes/README.md is its manual.
 #include <filesystem>
 #include <istream>
-#include <map>
+#include <set>
 
-#include "common/description/describe_part.h"
-#include "common/description/formats/mesh_loaders.h"
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/formats/stoppable_text.h"
 #include "common/description/formats/yaml_curves.h"
 #include "common/description/formats/yaml_materials.h"
 #include "common/description/formats/yaml_media.h"
+#include "common/description/formats/yaml_nodes.h"
 #include "common/description/formats/yaml_reader.h"
 #include "common/description/formats/yaml_scene.h"
-#include "common/description/formats/yaml_shapes.h"
 #include "common/description/formats/yaml_spectra.h"
-#include "common/description/formats/yaml_structures.h"
 #include "common/description/formats/yaml_textures.h"
 #include "common/description/formats/yaml_view.h"
 #include "common/files/read_file.h"
-#include "common/image/image_file.h"
 
 namespace rayfarm {
 namespace {
 
-/// True if some face of a mesh, or a primitive that is none, has the material.
-bool has_material(const PrimitiveDescription& primitive, uint32_t material) {
-  const auto* mesh = std::get_if<MeshShape>(&primitive.shape);
-  if (!mesh) return primitive.material == material;
-  const auto has = [&](std::span<const uint32_t> materials, size_t faces) {
-    return materials.empty() ? faces > 0 && primitive.material == material
-                             : std::find(materials.begin(), materials.end(), material) != materials.end();
-  };
-  return has(mesh->materials, mesh->triangles.size()) ||
-         has(mesh->polygons.materials, mesh->polygons.sides.size());
-}
-
 /// Lists of numbers that are shorter are left to the library: 256 bytes are some ten points.
 constexpr size_t kLeastListBytes = 256;
 
-class Loader {
- public:
-  /// Of a text, or of its outline.
-  Loader(std::string_view text, const std::string& path, const LoadOptions& options, YamlOutline* outline)
-      : text_(outline ? outline->text() : text), path_(path), options_(options) {
-    budget_.stop = options.stop;
-    budget_.progress = options.progress;
-    budget_.outline = outline;
-  }
+/// Of documents that include others, below each other.
+constexpr size_t kIncludeDepth = 16;
 
-  SceneDescription load() {
-    scene_.files = {path_};
-    YAML::Node document;
+/// The number of all documents.
+constexpr size_t kMostDocuments = 1000;
+
+/// Reads a scene's document and those that it includes.
+class SceneReader {
+ public:
+  /// `least_list_bytes`: lists of numbers of so many are read apart; none: all values are YAML's.
+  SceneReader(const LoadOptions& options, std::optional<size_t> least_list_bytes)
+      : options_(options), least_list_bytes_(least_list_bytes) {}
+
+  SceneDescription read(std::string_view text, const std::string& path) {
+    scene().materials.emplace_back("default");
+    read_document(text, path, 0);
+    shared_.problems.throw_if_any();
+    return std::move(scene());
+  }
+  /// True if lists were read apart, and all that were found.
+  bool has_read_apart() const { return has_outlines_ && !has_unread_lists_; }
+
+ private:
+  SceneDescription& scene() { return shared_.description; }
+
+  void read_document(std::string_view text, const std::string& path, size_t depth) {
+    std::optional<YamlOutline> outline;
+    if (least_list_bytes_) outline = outline_of(text, *least_list_bytes_);
+    if (outline && outline->is_empty()) outline.reset();
+    count_opened(options_.progress, text.size());
+    YamlBudget budget;
+    budget.file = static_cast<uint32_t>(scene().files.size());
+    budget.stop = options_.stop;
+    budget.progress = options_.progress;
+    budget.outline = outline ? &*outline : nullptr;
+    scene().files.push_back(path);
+    YAML::Node root;
     try {
-      StoppableText buffer(text_, budget_.stop, budget_.progress);
+      StoppableText buffer(outline ? std::string_view(outline->text()) : text, budget.stop, budget.progress);
       std::istream in(&buffer);
-      document = YAML::Load(in);
+      root = YAML::Load(in);
     } catch (const YAML::ParserException& e) {
-      throw InputError({path_, e.mark.line + 1, e.mark.column + 1}, "not valid YAML: " + e.msg);
+      throw InputError({path, e.mark.line + 1, e.mark.column + 1}, "not valid YAML: " + e.msg);
     } catch (const YAML::Exception& e) {
-      throw InputError({path_}, std::string("not valid YAML: ") + e.what());
+      throw InputError({path}, std::string("not valid YAML: ") + e.what());
     }
-    YamlMap map(YamlValue(document, "the scene", path_, budget_));
-    if (auto v = map.find("view")) read_view(*v, scene_);
-    if (auto v = map.find("background"))
-      scene_.background = read_color(*v, SpectralField::background, scene_.spectra);
-    if (auto v = map.find("environment")) {
-      if (map.has("background")) v->fail("give either `background` or `environment`, not both");
-      read_environment(*v, folder(), scene_);
+    YamlDocument document{shared_, std::filesystem::path(path).parent_path().string()};
+    YamlMap map(YamlValue(root, depth == 0 ? "the scene" : "the included file", path, budget));
+    read_map(map, document, path, depth);
+    if (outline) {
+      has_outlines_ = true;
+      has_unread_lists_ |= !outline->is_read();
     }
-    if (auto v = map.find("ambient")) scene_.ambient = read_color(*v, SpectralField::ambient, scene_.spectra);
-    if (auto v = map.find("frames")) read_frames(*v);
-    if (auto v = map.find("lights")) read_lights(*v);
-    scene_.materials.emplace_back("default");
-    if (auto v = map.find("textures")) read_textures(*v);
-    if (auto v = map.find("materials")) read_materials(*v);
-    if (auto v = map.find("media")) read_media(*v, folder(), scene_);
-    if (auto v = map.find("objects")) read_definitions(*v);
-    scene_.objects.push_back({"scene", {}, {}, {0, 1, 1}});
-    scene_.root = static_cast<uint32_t>(scene_.objects.size() - 1);
-    map.refuse("camera",
-               "the camera is `view: {location: [0, 0, 5], look_at: [0, 0, 0], field_of_view: 45}`");
-    read_children(map.require("scene"), scene_.root, {}, 0);
-    map.finish();
-    if (const auto& list = budget_.slow_list)
-      scene_.notes.add(
-          scene_.source(list->place),
+    if (const auto& list = budget.slow_list)
+      scene().notes.add(
+          scene().source(list->place),
           fmt::format(
               "this list of {} items is read one by one, which takes some 70 times as long as if it held "
               "plain numbers alone, between brackets and without comments and tabs, in a file without "
               "tabs, anchors, tags, block texts (`|`, `>`) and letters beyond ASCII",
               list->items));
-    return std::move(scene_);
   }
 
- private:
+  void read_map(YamlMap& map, YamlDocument& document, const std::string& path, size_t depth) {
+    const auto read = [&](const char* key, auto step) {
+      if (const auto v = map.find(key)) shared_.problems.keep([&] { step(*v); });
+    };
+    read("include", [&](const YamlValue& v) { read_includes(v, document, path, depth); });
+    read("render", [&](const YamlValue& v) { read_render(v); });
+    read("view", [&](const YamlValue& v) { read_view(v, scene()); });
+    read("background", [&](const YamlValue& v) {
+      std::erase_if(scene().spectra, [](const auto& s) { return s.field == SpectralField::background; });
+      scene().background = read_color(v, SpectralField::background, scene().spectra);
+      scene().environment.reset();
+    });
+    read("environment", [&](const YamlValue& v) {
+      if (map.has("background")) v.fail("give either `background` or `environment`, not both");
+      std::erase_if(scene().spectra, [](const auto& s) { return s.field == SpectralField::background; });
+      read_environment(v, document);
+    });
+    read("ambient", [&](const YamlValue& v) {
+      std::erase_if(scene().spectra, [](const auto& s) { return s.field == SpectralField::ambient; });
+      scene().ambient = read_color(v, SpectralField::ambient, scene().spectra);
+    });
+    read("frames", [&](const YamlValue& v) { read_frames(v); });
+    read("lights", [&](const YamlValue& v) { read_lights(v, document); });
+    read("textures", [&](const YamlValue& v) { read_textures(v, document); });
+    read("materials", [&](const YamlValue& v) { read_materials(v, document); });
+    read("media", [&](const YamlValue& v) { read_media(v, document); });
+    YamlNodes nodes(document, options_);
+    read("objects", [&](const YamlValue& v) { nodes.read_definitions(v); });
+    shared_.problems.keep([&] {
+      map.refuse("camera",
+                 "the camera is `view: {location: [0, 0, 5], look_at: [0, 0, 0], field_of_view: 45}`");
+    });
+    if (!has_root_ && (depth == 0 || map.has("scene"))) {
+      has_root_ = true;
+      scene().objects.push_back({"scene", {}, {}, {map.value().place().file, 1, 1}});
+      scene().root = static_cast<uint32_t>(scene().objects.size() - 1);
+    }
+    // What is only included may be nothing but materials; a scene that includes nothing shows something.
+    shared_.problems.keep([&] {
+      if (const auto v = map.has("include") || depth > 0 ? map.find("scene") : map.require("scene"))
+        nodes.read_children(*v, scene().root);
+    });
+    shared_.problems.keep([&] { map.finish(); });
+  }
+
+  /// Each is read where it is first included; a second time it says nothing new.
+  void read_includes(const YamlValue& value, YamlDocument& document, const std::string& path, size_t depth) {
+    const std::vector<YamlValue> names = value.is_sequence() ? value.items() : std::vector<YamlValue>{value};
+    if (depth == 0) included_.insert(canonical(path));
+    for (const YamlValue& name : names) {
+      const std::string file = document.path_of(name);
+      if (!included_.insert(canonical(file)).second) continue;
+      if (depth + 1 > kIncludeDepth)
+        name.fail(fmt::format("files include each other more than {} deep", kIncludeDepth));
+      if (included_.size() > kMostDocuments)
+        name.fail(fmt::format("a scene includes no more than {} files", kMostDocuments - 1));
+      std::string text;
+      try {
+        text = read_file(file, limits::kYamlFileBytes, options_.stop);
+      } catch (const IoError& e) {
+        name.fail(e.what());
+      }
+      shared_.problems.keep([&] { read_document(text, file, depth + 1); });
+    }
+  }
+  static std::string canonical(const std::string& path) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(path, ignored).string();
+  }
+
+  /// Options of `rayfarm render` by their names; whoever renders knows what they mean.
+  void read_render(const YamlValue& value) {
+    for (const auto& [key, v] : value.entries()) {
+      std::string name = key.text(), words;
+      std::replace(name.begin(), name.end(), '_', '-');
+      if (v.is_map()) v.fail("a value was expected, as the command line takes it");
+      const std::vector<YamlValue> items = v.is_sequence() ? v.items() : std::vector<YamlValue>{v};
+      for (const YamlValue& item : items) {
+        // --size 640x480, but --colour-nodes 450,550
+        const char* separator = name == "size" || name == "subpixels" ? "x" : ",";
+        words += (words.empty() ? "" : separator) + item.text();
+      }
+      std::erase_if(scene().render, [&](const RenderChoice& choice) {
+        return choice.name == name && choice.place.file != key.place().file;  // of a file that is included
+      });
+      for (const RenderChoice& choice : scene().render)
+        if (choice.name == name) key.fail(fmt::format("`{}` stands twice in render; remove one", name));
+      scene().render.push_back({name, words, v.place()});
+    }
+  }
+
   void read_frames(const YamlValue& value) {
     const std::vector<YamlValue> range = value.items();
     if (range.size() != 2) value.fail("frames is [first, last]");
     const int first = range[0].whole_number_in(0, 9'999'999);
-    scene_.frames = {first, range[1].whole_number_in(first, 9'999'999)};
+    scene().frames = {first, range[1].whole_number_in(first, 9'999'999)};
   }
 
-  /// In which the files that the scene names are looked for.
-  std::string folder() const { return std::filesystem::path(path_).parent_path().string(); }
-
-  void read_lights(const YamlValue& value) {
+  void read_lights(const YamlValue& value, YamlDocument& document) {
     for (const YamlValue& item : value.items()) {
-      scene_.lights.push_back(read_light(item, folder(), scene_, scene_.spectra));
-      if (scene_.lights.size() > limits::kLights) item.fail("too many lights");
+      shared_.problems.keep([&] { scene().lights.push_back(read_light(item, document, scene().spectra)); });
+      if (scene().lights.size() > limits::kLights) item.fail("too many lights");
     }
   }
 
-  void read_textures(const YamlValue& value) {
+  // What is wrong has a name all the same, so that those who use it are not wrong, too.
+  void read_textures(const YamlValue& value, YamlDocument& document) {
     for (const auto& [key, v] : value.entries())
-      scene_.textures.push_back(read_texture(key.text(), v, folder(), scene_));
+      shared_.problems.keep([&, &key = key, &v = v] {
+        TextureDescription texture;
+        texture.name = key.text();
+        shared_.problems.keep([&] { texture = read_texture(key.text(), v, document); });
+        shared_.textures.define(key, static_cast<uint32_t>(scene().textures.size()));
+        scene().textures.push_back(std::move(texture));
+      });
   }
 
-  void read_materials(const YamlValue& value) {
+  void read_materials(const YamlValue& value, YamlDocument& document) {
     for (const auto& [key, v] : value.entries())
-      scene_.materials.push_back(read_material(key.text(), v, folder(), scene_));
-    for (const MaterialDescription& m : scene_.materials) material_names_.push_back(m.name);
-  }
-
-  uint32_t find_material(const YamlValue& value) {
-    if (value.is_map())
-      value.fail(
-          "`material` names one that is defined under `materials`: `materials: {red: {color: [1, 0, 0]}}` at "
-          "the top of the file, and `material: red` here");
-    const std::string name = value.text();
-    for (size_t i = 1; i < material_names_.size(); ++i)
-      if (material_names_[i] == name) return static_cast<uint32_t>(i);
-    const std::vector<std::string> defined(material_names_.begin() + (material_names_.empty() ? 0 : 1),
-                                           material_names_.end());
-    value.fail_unknown("material", defined);
-  }
-
-  /// Names first, contents after, so that a definition may use one that stands further down.
-  void read_definitions(const YamlValue& value) {
-    const auto entries = value.entries();
-    for (const auto& [key, v] : entries) {
-      if (!object_ids_.emplace(key.text(), static_cast<uint32_t>(scene_.objects.size())).second)
-        key.fail(fmt::format("object '{}' is defined twice", key.text()));
-      scene_.objects.push_back({key.text(), {}, {}, key.place()});
-      object_names_.push_back(key.text());
-    }
-    for (uint32_t i = 0; i < entries.size(); ++i) {
-      const YamlValue& definition = entries[i].second;
-      if (definition.is_sequence()) {
-        read_children(definition, i, {}, 0);
-      } else {
-        read_node(definition, i, {}, 0);
-      }
-    }
-  }
-
-  /// What a node hands down to those in it.
-  struct Inherited {
-    uint32_t material = 0;
-    uint32_t structure = kNone;
-    float zone_size = 0;
-  };
-
-  /// The material with zones of that size, which is one of its own: primitives know no more than that.
-  uint32_t zoned(uint32_t material, float zone_size) {
-    if (zone_size == 0) return material;
-    const auto [found, is_new] =
-        zoned_materials_.try_emplace({material, zone_size}, static_cast<uint32_t>(scene_.materials.size()));
-    if (is_new) {
-      MaterialDescription copy = scene_.materials[material];
-      copy.zone_size = zone_size;
-      scene_.materials.push_back(std::move(copy));
-    }
-    return found->second;
-  }
-
-  void read_children(const YamlValue& list, uint32_t object, const Inherited& inherited, size_t depth) {
-    for (const YamlValue& item : list.items()) read_node(item, object, inherited, depth);
-  }
-
-  /// One entry of an object: a shape, a group or a use of a named object, perhaps with a material and a
-  /// transform.
-  void read_node(const YamlValue& value, uint32_t object, Inherited inherited, size_t depth) {
-    if (depth > limits::kNestingDepth)
-      value.fail(fmt::format("objects are nested more than {} deep", limits::kNestingDepth));
-    YamlMap map(value);
-    const auto own_material = map.find("material");
-    if (own_material) inherited.material = find_material(*own_material);
-    std::string name;
-    if (auto n = map.find("name")) name = n->text();
-    ChildDescription child;
-    child.place = value.place();
-    if (auto t = map.find("transform")) child.transform = read_transform(*t);
-    if (auto v = map.find("visible")) child.visible = read_curve(*v, Interpolation::step, read_truth);
-    const auto own_structure = map.find("structure");
-    if (own_structure) {
-      inherited.structure = static_cast<uint32_t>(scene_.structures.size());
-      scene_.structures.push_back(read_structure(*own_structure));
-    }
-
-    const auto own_bound = map.find("bound");
-    const auto own_zones = map.find("zones");
-    if (own_zones) inherited.zone_size = static_cast<float>(own_zones->number_in(1e-12, 1e12));
-
-    // What can move, come and go, has a name, a structure or a bounding volume is a node of its own in the
-    // object tree; any other entry joins its parent.
-    uint32_t target = object;
-    if (!child.transform.empty() || child.visible || !name.empty() || own_structure || own_bound) {
-      target = add_object(name.empty() ? fmt::format("line {}", value.place().line) : name, value.place());
-      scene_.objects[target].structure = inherited.structure;
-      if (own_bound) {
-        scene_.objects[target].bound = read_bound(*own_bound);
-        scene_.objects[target].bound_place = own_bound->place();
-      }
-      child.object = target;
-      scene_.objects[object].children.push_back(std::move(child));
-    }
-    read_content(map, value, target, inherited, own_material, depth);
-    map.finish();
-    if (own_material && map.has("use"))
-      scene_.notes.add(scene_.source(own_material->place()),
-                       "`material` has no effect on what `use` names, which has materials of its own");
-    if (own_zones && map.has("use"))
-      scene_.notes.add(scene_.source(own_zones->place()),
-                       "`zones` has no effect on what `use` names; it stands where that is defined");
-    if (own_zones && map.has("light"))
-      scene_.notes.add(scene_.source(own_zones->place()), "a light has no zones");
-    if (own_material && map.has("light"))
-      scene_.notes.add(scene_.source(own_material->place()),
-                       "a light has no material: `color` is its colour");
-  }
-
-  /// What a mesh's file added to an object, and the objects that it made.
-  template <typename Visitor>
-  void visit_added(uint32_t object, size_t first_primitive, size_t first_object, Visitor visit) {
-    std::vector<PrimitiveDescription>& own = scene_.objects[object].primitives;
-    for (size_t i = first_primitive; i < own.size(); ++i) visit(own[i]);
-    for (size_t i = first_object; i < scene_.objects.size(); ++i)
-      for (PrimitiveDescription& primitive : scene_.objects[i].primitives) visit(primitive);
-  }
-
-  /// To a mesh, whose faces may have materials of their own.
-  void give_zone_size(PrimitiveDescription& primitive, float zone_size) {
-    primitive.material = zoned(primitive.material, zone_size);
-    if (auto* mesh = std::get_if<MeshShape>(&primitive.shape)) {
-      for (uint32_t& material : mesh->materials) material = zoned(material, zone_size);
-      for (uint32_t& material : mesh->polygons.materials) material = zoned(material, zone_size);
-    }
-  }
-
-  uint32_t add_object(const std::string& name, const Place& place) {
-    if (scene_.objects.size() >= limits::kObjects)
-      throw InputError(scene_.source(place), "the scene has too many objects");
-    scene_.objects.push_back({name, {}, {}, place});
-    return static_cast<uint32_t>(scene_.objects.size() - 1);
-  }
-
-  void read_content(YamlMap& map, const YamlValue& value, uint32_t target, const Inherited& inherited,
-                    const std::optional<YamlValue>& own_material, size_t depth) {
-    int contents = 0;
-    for (const auto& [key, read] : yaml_shapes())
-      if (auto v = map.find(key)) {
-        ++contents;
-        for (Shape& shape : read(*v))
-          scene_.objects[target].primitives.push_back(
-              {std::move(shape), zoned(inherited.material, inherited.zone_size), v->place()});
-      }
-    if (auto v = map.find("mesh")) {
-      ++contents;
-      read_mesh(*v, map, target, inherited, own_material);
-    }
-    if (auto v = map.find("light")) {
-      ++contents;
-      LightDescription& light = scene_.objects[target].lights.emplace_back();
-      light.light = read_light(*v, folder(), scene_, light.spectra);
-      light.place = v->place();
-    }
-    if (auto v = map.find("group")) {
-      ++contents;
-      read_children(*v, target, inherited, depth + 1);
-    }
-    if (auto v = map.find("use")) {
-      ++contents;
-      const uint32_t used = v->is_map() ? read_part_file(*v) : find_object(*v);
-      scene_.objects[target].children.push_back({used, {}, v->place()});
-    }
-    if (contents != 1) {
-      map.finish();  // an unknown key is the likelier mistake
-      std::string words;
-      for (const YamlShape& shape : yaml_shapes()) words += fmt::format("{}, ", shape.key);
-      value.fail(
-          contents == 0
-              ? fmt::format("an object needs one of: {}mesh, light, group, use", words)
-              : "an object can hold only one shape, light, group or use; make each an entry of its own");
-    }
-  }
-
-  uint32_t find_object(const YamlValue& value) const {
-    const auto found = object_ids_.find(value.text());
-    if (found == object_ids_.end())
-      value.fail_unknown(
-          "object", object_names_,
-          extension_of(value.text()) == ".rfp" ? "; a file is named so: `use: {file: part.rfp}`" : "");
-    return found->second;
-  }
-
-  /// A file is read once however often it is used.
-  uint32_t read_part_file(const YamlValue& value) {
-    YamlMap map(value);
-    const YamlValue file = map.require("file");
-    map.finish();
-    const std::string path = (std::filesystem::path(folder()) / file.text()).string();
-    if (extension_of(path) != ".rfp")
-      file.fail(
-          "compiled objects stand in an .rfp file: `rayfarm compile part.yaml -o part.rfp` makes one; a mesh "
-          "is "
-          "`mesh: {file: name.obj}`");
-    const auto found = part_files_.find(path);
-    if (found != part_files_.end()) return found->second;
-    try {
-      part_files_[path] = add_part_file(scene_, path, value.place(), value.stop());
-      scene_.files.push_back(path);
-      return part_files_[path];
-    } catch (const IoError& e) {
-      file.fail(e.what());
-    }
-  }
-
-  /// True if the node's material replaces those of its mesh's file; said there or in the mesh.
-  static bool has_override(YamlMap& node, YamlMap& mesh, const Inherited& inherited) {
-    bool is_said = false;
-    for (YamlMap* map : {&node, &mesh})
-      if (auto v = map->find("override"); v && v->boolean()) {
-        is_said = true;
-        if (inherited.material == 0)
-          v->fail("`override` puts a `material` of the scene in place of the file's; give that, too");
-      }
-    return is_said;
-  }
-
-  void read_mesh(const YamlValue& value, YamlMap& node, uint32_t object, const Inherited& inherited,
-                 const std::optional<YamlValue>& own_material) {
-    YamlMap map(value);
-    const YamlValue file = map.require("file");
-    const bool has_smoothing = map.has("smooth");
-    const Smoothing smoothing = read_smoothing(map, Smoothing::flat);
-    const bool is_replaced = has_override(node, map, inherited);
-    map.finish();
-    const std::string path = (std::filesystem::path(folder()) / file.text()).string();
-    const MeshFormat* format = find_mesh_format(path);
-    if (!format) file.fail(fmt::format("a mesh is read from {}; export it as one", mesh_extensions()));
-    const size_t first_object = scene_.objects.size(),
-                 first_primitive = scene_.objects[object].primitives.size();
-    try {
-      format->load(scene_, object, {path, inherited.material, smoothing, value.place(), has_smoothing},
-                   options_);
-    } catch (const IoError& e) {
-      file.fail(e.what());
-    }
-    if (is_replaced)
-      visit_added(object, first_primitive, first_object, [&](PrimitiveDescription& primitive) {
-        primitive.material = inherited.material;
-        if (auto* mesh = std::get_if<MeshShape>(&primitive.shape))
-          mesh->materials = mesh->polygons.materials = {};
+      shared_.problems.keep([&, &key = key, &v = v] {
+        MaterialDescription material(key.text());
+        shared_.problems.keep([&] { material = read_material(key.text(), v, document); });
+        shared_.materials.define(key, static_cast<uint32_t>(scene().materials.size()));
+        scene().materials.push_back(std::move(material));
       });
-    if (own_material) {
-      bool is_used = false;
-      visit_added(object, first_primitive, first_object, [&](const PrimitiveDescription& primitive) {
-        is_used |= has_material(primitive, inherited.material);
-      });
-      if (!is_used)
-        scene_.notes.add(
-            scene_.source(own_material->place()),
-            fmt::format("material '{}' is not used: the mesh's file gives all faces their materials; "
-                        "`override: true` puts this one in their place",
-                        own_material->text()));
-    }
-    if (inherited.zone_size != 0)
-      visit_added(object, first_primitive, first_object,
-                  [&](PrimitiveDescription& primitive) { give_zone_size(primitive, inherited.zone_size); });
   }
 
-  std::string_view text_;
-  std::string path_;
-  LoadOptions options_;
-  YamlBudget budget_;
-  SceneDescription scene_;
-  std::vector<std::string> material_names_, object_names_;
-  std::map<std::string, uint32_t> object_ids_, part_files_;
-  std::map<std::pair<uint32_t, float>, uint32_t> zoned_materials_;
+  const LoadOptions& options_;
+  std::optional<size_t> least_list_bytes_;
+  YamlScene shared_;
+  std::set<std::string> included_;
+  bool has_root_ = false, has_outlines_ = false, has_unread_lists_ = false;
 };
 
 }  // namespace
 
 SceneDescription read_yaml_whole(std::string_view text, const std::string& path, const LoadOptions& options) {
-  count_opened(options.progress, text.size());
-  return Loader(text, path, options, nullptr).load();
+  return SceneReader(options, std::nullopt).read(text, path);
 }
 
 std::optional<SceneDescription> read_yaml_outline(std::string_view text, const std::string& path,
                                                   size_t least_bytes, const LoadOptions& options) {
-  std::optional<YamlOutline> outline = outline_of(text, least_bytes);
-  if (!outline || outline->is_empty()) return std::nullopt;
-  count_opened(options.progress, text.size());
+  // What a file includes may have lists where it has none.
+  const bool may_include = text.find("include") != std::string_view::npos;
+  const std::optional<YamlOutline> outline = outline_of(text, least_bytes);
+  if ((!outline || outline->is_empty()) && !may_include) return std::nullopt;
+  SceneReader reader(options, least_bytes);
   try {
-    SceneDescription scene = Loader(text, path, options, &*outline).load();
-    if (outline->is_read()) return scene;
+    SceneDescription scene = reader.read(text, path);
+    if (reader.has_read_apart()) return scene;
   } catch (const InputError&) {  // the whole text is read for what is to be told of it
   }
   if (options.progress) options.progress->done = options.progress->total.load();

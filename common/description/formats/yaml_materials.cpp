@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
 #include <numbers>
 
 #include "common/description/formats/ies_loader.h"
@@ -182,8 +181,9 @@ Vec3 across(const Vec3& direction, const Vec3& toward) {
 }
 
 /// Reads a photometric file into the scene's diagrams; returns its index.
-uint32_t read_diagram(const YamlValue& file, const std::string& folder, SceneDescription& scene) {
-  const std::string path = (std::filesystem::path(folder) / file.text()).string();
+uint32_t read_diagram(const YamlValue& file, YamlDocument& document) {
+  SceneDescription& scene = document.scene();
+  const std::string path = document.path_of(file);
   DiagramDescription diagram;
   try {
     diagram.values = load_ies(path, diagram, file.stop());
@@ -196,8 +196,7 @@ uint32_t read_diagram(const YamlValue& file, const std::string& folder, SceneDes
 }
 
 /// How a luminaire's radiance differs by direction: relative to the file's largest intensity.
-void read_luminaire_diagram(YamlMap& map, MaterialDescription& m, const std::string& folder,
-                            SceneDescription& scene) {
+void read_luminaire_diagram(YamlMap& map, MaterialDescription& m, YamlDocument& document) {
   const auto ies = map.find("ies");
   if (!ies) {
     for (const char* key : {"direction", "zero"})
@@ -208,8 +207,8 @@ void read_luminaire_diagram(YamlMap& map, MaterialDescription& m, const std::str
   const auto direction = map.find("direction"), zero = map.find("zero");
   if (m.exponent > 0)
     ies->fail("give either `ies` or `exponent`: each says how the light falls off to the sides");
-  m.diagram = read_diagram(*ies, folder, scene);
-  DiagramDescription& diagram = scene.diagrams.back();
+  m.diagram = read_diagram(*ies, document);
+  DiagramDescription& diagram = document.scene().diagrams.back();
   const auto intensities =
       std::span(diagram.values).subspan(diagram.vertical_count + diagram.horizontal_count);
   const double largest = *std::max_element(intensities.begin(), intensities.end());
@@ -219,29 +218,27 @@ void read_luminaire_diagram(YamlMap& map, MaterialDescription& m, const std::str
   m.diagram_zero = across(m.diagram_axis, zero ? zero->direction() : Vec3(1, 0, 0));
 }
 
-void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allowed,
-                    const std::string& folder, SceneDescription& scene) {
+void read_luminaire(const YamlValue& value, MaterialDescription& m, bool is_allowed, YamlDocument& document) {
   YamlMap map(value);
   m.color = read_albedo(map, "color", m, SpectralField::color, Color(0), is_allowed);
   m.emission = read_color(map.require("emission"), SpectralField::emission, m.spectra);
   m.exponent = read_exponent(map);
   if (auto inward = map.find("inward")) m.is_inward = inward->boolean() ? 1 : 0;
-  read_luminaire_diagram(map, m, folder, scene);
+  read_luminaire_diagram(map, m, document);
   map.finish();
   m.diffuse = 1;
 }
 
 }  // namespace
 
-MaterialDescription read_material(const std::string& name, const YamlValue& value, const std::string& folder,
-                                  SceneDescription& scene) {
+MaterialDescription read_material(const std::string& name, const YamlValue& value, YamlDocument& document) {
   YamlMap map(value);
   MaterialDescription m(name);
   if (const auto mix = map.find("mix")) {
     for (const auto& [key, other] : value.entries())
       if (key.text() != "mix") key.fail("a mix is nothing but its parts; give this key to them");
     m.kind = MaterialKind::mix;
-    read_mix(*mix, m, scene);
+    read_mix(*mix, m, document);
     return m;
   }
   const auto allow = map.find("allow_impossible");
@@ -277,7 +274,7 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
         read_translucent(*v, m, is_allowed);
         break;
       case MaterialKind::luminaire:
-        read_luminaire(*v, m, is_allowed, folder, scene);
+        read_luminaire(*v, m, is_allowed, document);
         break;
     }
     if (m.exponent > 0) m.shininess = m.exponent;
@@ -286,12 +283,12 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
     if (m.kind != MaterialKind::classical) v->fail("a material is of one family only");
     map.refuse("texture", "a principled material names textures inside: `base_color: NAME`");
     map.refuse("bump", "a principled material names a map of normals inside: `normal: NAME`");
-    read_principled(*v, m, scene);
+    read_principled(*v, m, document);
   }
-  if (auto texture = map.find("texture")) m.texture = find_texture(*texture, scene.textures);
+  if (auto texture = map.find("texture")) m.texture = find_texture(*texture, document);
   if (auto v = map.find("bump")) {
     YamlMap bump(*v);
-    m.bump = find_texture(bump.require("texture"), scene.textures);
+    m.bump = find_texture(bump.require("texture"), document);
     m.bump_height = bump.require("height").number_in(-1e9, 1e9);
     bump.finish();
   }
@@ -302,8 +299,20 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
   return m;
 }
 
-Light read_light(const YamlValue& value, const std::string& folder, SceneDescription& scene,
-                 std::vector<SpectrumDescription>& spectra) {
+uint32_t find_material(const YamlValue& value, YamlDocument& document, const std::string& otherwise) {
+  if (!value.is_map()) return document.shared.materials.find(value, otherwise);
+  const Place place = value.place();
+  const auto [found, is_new] = document.shared.materials_in_place.try_emplace(
+      {place.file, static_cast<uint32_t>(place.line), static_cast<uint32_t>(place.column)}, 0);
+  if (is_new) {
+    MaterialDescription material = read_material(fmt::format("line {}", place.line), value, document);
+    found->second = static_cast<uint32_t>(document.scene().materials.size());
+    document.scene().materials.push_back(std::move(material));
+  }
+  return found->second;
+}
+
+Light read_light(const YamlValue& value, YamlDocument& document, std::vector<SpectrumDescription>& spectra) {
   YamlMap map(value);
   Light light;
   const auto position = map.find("position"), direction = map.find("direction");
@@ -323,7 +332,7 @@ Light read_light(const YamlValue& value, const std::string& folder, SceneDescrip
     light.kind = LightKind::bulb;
     const auto zero = map.find("zero");
     light.zero = across(light.direction, zero ? zero->direction() : Vec3(1, 0, 0));
-    light.diagram = read_diagram(*ies, folder, scene);
+    light.diagram = read_diagram(*ies, document);
   } else if (position && direction) {
     light.kind = LightKind::spot;
     if (falloff && !falloff->boolean())
@@ -337,7 +346,7 @@ Light read_light(const YamlValue& value, const std::string& folder, SceneDescrip
   }
   const size_t before = spectra.size();
   if (auto v = map.find("color"))
-    light.color = read_color(*v, SpectralField::light, spectra, scene.lights.size());
+    light.color = read_color(*v, SpectralField::light, spectra, document.scene().lights.size());
   if (auto v = map.find("intensity")) {
     const double factor = v->number_in(0, 1e9);
     light.color *= factor;

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
-
 #include "common/description/formats/density_grid.h"
 #include "common/description/formats/yaml_spectra.h"
 #include "common/image/image_file.h"
@@ -37,14 +35,14 @@ DensityLayout read_layout(YamlMap& map, uint64_t most_cells) {
   return layout;
 }
 
-void read_grid(const YamlValue& value, const std::string& folder, MediumDescription& medium,
-               SceneDescription& scene) {
+void read_grid(const YamlValue& value, MediumDescription& medium, YamlDocument& document) {
+  SceneDescription& scene = document.scene();
   uint64_t used = 0;
   for (const MediumDescription& other : scene.media) used += other.densities.size();
   const uint64_t most_cells = limits::kMediumCells - used;
   YamlMap map(value);
   const YamlValue file = map.require("file");
-  const std::string path = (std::filesystem::path(folder) / file.text()).string();
+  const std::string path = document.path_of(file);
   const std::string extension = extension_of(path);
   DensityGrid grid;
   try {
@@ -72,7 +70,8 @@ void read_grid(const YamlValue& value, const std::string& folder, MediumDescript
   scene.notes.add({grid.files[0]}, names + " of the file: not used, as its cells fill the medium's box");
 }
 
-MediumDescription read_medium(const YamlValue& value, const std::string& folder, SceneDescription& scene) {
+MediumDescription read_medium(const YamlValue& value, YamlDocument& document) {
+  SceneDescription& scene = document.scene();
   YamlMap map(value);
   MediumDescription medium;
   medium.place = value.place();
@@ -86,7 +85,7 @@ MediumDescription read_medium(const YamlValue& value, const std::string& folder,
     medium.asymmetry = v->number_in(-0.99, 0.99);
     if (medium.scattering == Color(0)) v->fail("`g` says how light is scattered; give `scattering`, too");
   }
-  if (auto v = map.find("grid")) read_grid(*v, folder, medium, scene);
+  if (auto v = map.find("grid")) read_grid(*v, medium, document);
   map.finish();
   if (medium.extinction() == Color(0))
     value.fail("a medium needs `absorption` or `scattering` above 0: what light loses per unit of length");
@@ -102,20 +101,23 @@ MediumDescription read_medium(const YamlValue& value, const std::string& folder,
 
 }  // namespace
 
-void read_media(const YamlValue& value, const std::string& folder, SceneDescription& scene) {
+void read_media(const YamlValue& value, YamlDocument& document) {
+  SceneDescription& scene = document.scene();
   for (const YamlValue& item : value.items()) {
     if (scene.media.size() == kMostMedia)
       item.fail(fmt::format("a scene has no more than {} media", kMostMedia));
-    MediumDescription medium = read_medium(item, folder, scene);
-    for (const MediumDescription& other : scene.media) {
-      const Box both = intersection(medium.box, other.box);
-      if (both.lo.x < both.hi.x && both.lo.y < both.hi.y && both.lo.z < both.hi.z)
-        item.fail(fmt::format(
-            "the medium overlaps the one at {}: of two in one place nobody knows which scatters; make the "
-            "boxes smaller (they may touch), or one medium of both",
-            to_string(scene.source(other.place))));
-    }
-    scene.media.push_back(std::move(medium));
+    document.shared.problems.keep([&] {
+      MediumDescription medium = read_medium(item, document);
+      for (const MediumDescription& other : scene.media) {
+        const Box both = intersection(medium.box, other.box);
+        if (both.lo.x < both.hi.x && both.lo.y < both.hi.y && both.lo.z < both.hi.z)
+          item.fail(fmt::format(
+              "the medium overlaps the one at {}: of two in one place nobody knows which scatters; make the "
+              "boxes smaller (they may touch), or one medium of both",
+              to_string(scene.source(other.place))));
+      }
+      scene.media.push_back(std::move(medium));
+    });
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "common/description/formats/yaml_materials.h"
 #include "common/description/formats/yaml_textures.h"
 #include "common/materials/scattering.h"
 
@@ -18,40 +19,36 @@ void find_dielectrics(const std::vector<MaterialDescription>& materials, uint32_
     found.push_back(material);
 }
 
-uint32_t find_part(const YamlValue& value, const SceneDescription& scene) {
-  const std::string name = value.text();
-  std::vector<std::string> names;
-  for (uint32_t i = 1; i < scene.materials.size(); ++i) {
-    names.push_back(scene.materials[i].name);
-    if (names.back() != name) continue;
-    if (scene.materials[i].is_pierced)
-      value.fail(fmt::format(
-          "'{}' has opacity or one side only, which can't be mixed: a mix decides what is there, not "
-          "whether anything is; give surfaces with holes a material of their own",
-          name));
-    if (scene.materials[i].kind == MaterialKind::principled && is_luminaire(scene.materials[i]))
-      value.fail(fmt::format(
-          "'{}' shines, and what shines can't be mixed: a lamp shines all over its surface", name));
-    if (scene.materials[i].kind == MaterialKind::luminaire)
-      value.fail(
-          fmt::format("'{}' is a luminaire, which can't be mixed: a lamp shines all over its surface; "
-                      "make lamp and surroundings objects of their own",
-                      name));
-    return i;
-  }
-  value.fail_unknown("material", names, "; a mix names materials that stand above it");
+uint32_t find_part(const YamlValue& value, YamlDocument& document) {
+  const uint32_t part = find_material(value, document, "; a mix names materials that stand above it");
+  const MaterialDescription& m = document.scene().materials[part];
+  if (m.is_pierced)
+    value.fail(
+        fmt::format("'{}' has opacity or one side only, which can't be mixed: a mix decides what is there, "
+                    "not whether anything is; give surfaces with holes a material of their own",
+                    m.name));
+  if (m.kind == MaterialKind::principled && is_luminaire(m))
+    value.fail(fmt::format("'{}' shines, and what shines can't be mixed: a lamp shines all over its surface",
+                           m.name));
+  if (m.kind == MaterialKind::luminaire)
+    value.fail(
+        fmt::format("'{}' is a luminaire, which can't be mixed: a lamp shines all over its surface; "
+                    "make lamp and surroundings objects of their own",
+                    m.name));
+  return part;
 }
 
 }  // namespace
 
-void read_mix(const YamlValue& value, MaterialDescription& mix, SceneDescription& scene) {
+void read_mix(const YamlValue& value, MaterialDescription& mix, YamlDocument& document) {
   YamlMap map(value);
   for (const char* key : {"a", "b", "by"})
     if (!map.has(key))
       value.fail("a mix needs `a`, `b` and `by`: two materials, and the texture that says where each is");
   const YamlValue first = map.require("a"), second = map.require("b");
-  mix.parts = {find_part(first, scene), find_part(second, scene)};
-  mix.texture = find_texture(map.require("by"), scene.textures);
+  SceneDescription& scene = document.scene();
+  mix.parts = {find_part(first, document), find_part(second, document)};
+  mix.texture = find_texture(map.require("by"), document);
   map.finish();
   std::vector<uint32_t> dielectrics;
   for (const uint32_t part : mix.parts) find_dielectrics(scene.materials, part, dielectrics);

@@ -18,8 +18,8 @@ bool is_number(const std::string& text) {
 
 class PrincipledReader {
  public:
-  PrincipledReader(const YamlValue& value, MaterialDescription& material, SceneDescription& scene)
-      : map_(value), m_(material), scene_(scene), p_(usual_principled()) {}
+  PrincipledReader(const YamlValue& value, MaterialDescription& material, YamlDocument& document)
+      : map_(value), m_(material), document_(document), scene_(document.scene()), p_(usual_principled()) {}
 
   void read() {
     m_.color = Color(0.8);
@@ -55,15 +55,16 @@ class PrincipledReader {
     return value.is_map() || (!value.is_sequence() && !is_number(value.text()));
   }
 
-  /// `NAME`, or {texture, channel, scale, rotate, offset}; the map's other keys are `rest`'s.
+  /// `NAME`, a texture {kind, …}, or {texture, channel, scale, rotate, offset}; the map's other keys are
+  /// `rest`'s.
   template <typename Rest>
   void read_texture_use(const YamlValue& value, PrincipledSource& source, bool has_channels, Rest rest) {
-    if (!value.is_map()) {
-      source.texture = find_texture(value, scene_.textures);
+    if (!value.is_map() || YamlMap(value).has("kind")) {
+      source.texture = find_texture(value, document_);
       return;
     }
     YamlMap map(value);
-    source.texture = find_texture(map.require("texture"), scene_.textures);
+    source.texture = find_texture(map.require("texture"), document_);
     if (has_channels)
       if (auto v = map.find("channel"))
         source.channel = static_cast<TextureChannel>(v->choice({"luminance", "r", "g", "b"}));
@@ -233,14 +234,15 @@ class PrincipledReader {
 
   YamlMap map_;
   MaterialDescription& m_;
+  YamlDocument& document_;
   SceneDescription& scene_;
   PrincipledMaterial p_;
 };
 
 }  // namespace
 
-void read_principled(const YamlValue& value, MaterialDescription& material, SceneDescription& scene) {
-  PrincipledReader(value, material, scene).read();
+void read_principled(const YamlValue& value, MaterialDescription& material, YamlDocument& document) {
+  PrincipledReader(value, material, document).read();
 }
 
 }  // namespace rayfarm

@@ -41,7 +41,7 @@ void YamlValue::fail(const std::string& problem) const {
 }
 
 Place YamlValue::place() const {
-  return {0, place_.line + 1, place_.column + 1};
+  return {budget_->file, place_.line + 1, place_.column + 1};
 }
 
 double YamlValue::number() const {
@@ -101,21 +101,21 @@ Vec3 YamlValue::direction() const {
 
 Color YamlValue::color() const {
   const auto fail_as_no_color = [this](const std::string& found) {
-    fail(
-        fmt::format("{} must be [red, green, blue] in linear light, or one number for grey{}", what_, found));
+    fail(fmt::format(
+        "{} must be [red, green, blue] in linear light, one number for grey, or '#rrggbb' in sRGB{}", what_,
+        found));
   };
   Color c;
   if (node_.IsSequence() && node_.size() == 3) {
     c = vector();
   } else if (node_.IsNull()) {
-    fail_as_no_color("; nothing stands here (what follows a # is a comment)");
+    fail_as_no_color("; nothing stands here (what follows a # is a comment: put '#rrggbb' in quotes)");
   } else if (node_.IsMap()) {
     fail_as_no_color("; a spectrum can stand in materials, lights, media, `background` and `ambient`");
   } else if (!node_.IsScalar()) {
     fail_as_no_color("");
   } else if (const auto coded = color_of_code(node_.Scalar())) {
-    fail_as_no_color(
-        fmt::format("; '{}' is [{:.4g}, {:.4g}, {:.4g}]", node_.Scalar(), coded->x, coded->y, coded->z));
+    c = *coded;
   } else if (node_.Scalar().find_first_of("0123456789") == std::string::npos) {
     fail_as_no_color(fmt::format(", not '{}'", node_.Scalar().substr(0, 40)));
   } else {

@@ -15,6 +15,7 @@ namespace rayfarm {
 /// Bounds how much of a document is visited, so that anchors that multiply can't take for ever, and for how
 /// long.
 struct YamlBudget {
+  uint32_t file = 0;  ///< the document, of SceneDescription::files
   size_t nodes_left = 50'000'000;
   std::stop_token stop;
   ReadProgress* progress = nullptr;

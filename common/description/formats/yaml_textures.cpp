@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
-
 #include "common/description/formats/npy_loader.h"
 #include "common/description/scene_images.h"
 
@@ -11,12 +9,11 @@ namespace rayfarm {
 namespace {
 
 /// The image that `file` names.
-void read_image_of(YamlMap& map, const std::string& folder, TextureDescription& texture,
-                   SceneDescription& scene, const ImageReading& reading = {}) {
+void read_image_of(YamlMap& map, TextureDescription& texture, YamlDocument& document,
+                   const ImageReading& reading = {}) {
   const YamlValue file = map.require("file");
   try {
-    load_scene_image(scene, (std::filesystem::path(folder) / file.text()).string(), texture, file.stop(),
-                     reading);
+    load_scene_image(document.scene(), document.path_of(file), texture, file.stop(), reading);
   } catch (const IoError& e) {
     file.fail(e.what());
   }
@@ -55,10 +52,9 @@ ArrayValues read_values(YamlMap& map, uint64_t most_cells) {
   return array;
 }
 
-void read_array(YamlMap& map, const std::string& folder, TextureDescription& texture,
-                SceneDescription& scene) {
+void read_array(YamlMap& map, TextureDescription& texture, YamlDocument& document) {
   // Its mip map has at most as many cells again, in the worst case of a single row.
-  const uint64_t most_cells = std::min(limits::kArrayCells, texels_left(scene) / 2);
+  const uint64_t most_cells = std::min(limits::kArrayCells, texels_left(document.scene()) / 2);
   if (auto v = map.find("from")) texture.from = v->vector();
   if (auto v = map.find("repeat")) texture.is_repeated = v->boolean() ? 1 : 0;
   const auto file = map.find("file");
@@ -68,19 +64,18 @@ void read_array(YamlMap& map, const std::string& folder, TextureDescription& tex
   }
   for (const char* key : {"size", "values"})
     if (auto v = map.find(key)) v->fail("give either `file` or `size` and `values`, not both");
-  const std::string path = (std::filesystem::path(folder) / file->text()).string();
+  const std::string path = document.path_of(*file);
   try {
     texture.texels = make_array_texels(load_npy(path, most_cells, file->stop()), texture, file->stop());
   } catch (const IoError& e) {
     file->fail(e.what());
   }
-  scene.files.push_back(path);
+  document.scene().files.push_back(path);
 }
 
 }  // namespace
 
-TextureDescription read_texture(const std::string& name, const YamlValue& value, const std::string& folder,
-                                SceneDescription& scene) {
+TextureDescription read_texture(const std::string& name, const YamlValue& value, YamlDocument& document) {
   YamlMap map(value);
   TextureDescription texture;
   texture.name = name;
@@ -101,7 +96,7 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
     if (auto v = map.find("part")) reading.part = static_cast<ImagePart>(v->choice({"color", "alpha"}));
     if (reading.part == ImagePart::alpha && reading.encoding == ImageReading::Encoding::srgb)
       encoding->fail("alpha is no light: its numbers are always taken as they stand");
-    read_image_of(map, folder, texture, scene, reading);
+    read_image_of(map, texture, document, reading);
     map.finish();
     return texture;
   }
@@ -119,7 +114,7 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
   color("first", texture.first);
   color("second", texture.second);
   if (texture.kind == TextureKind::array) {
-    read_array(map, folder, texture, scene);
+    read_array(map, texture, document);
     map.finish();
     return texture;
   }
@@ -136,25 +131,24 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
   return texture;
 }
 
-uint32_t find_texture(const YamlValue& value, const std::vector<TextureDescription>& textures) {
-  if (value.is_map())
-    value.fail(
-        fmt::format("`{0}` names a texture that is defined under `textures`: `textures: {{wall: {{kind: "
-                    "bricks}}}}` at the top of the file, and `{0}: wall` here",
-                    value.what()));
-  const std::string name = value.text();
-  std::vector<std::string> names;
-  for (const TextureDescription& texture : textures) {
-    if (texture.name == name) return static_cast<uint32_t>(names.size());
-    names.push_back(texture.name);
+uint32_t find_texture(const YamlValue& value, YamlDocument& document) {
+  if (!value.is_map()) return document.shared.textures.find(value);
+  const Place place = value.place();
+  const auto [found, is_new] = document.shared.textures_in_place.try_emplace(
+      {place.file, static_cast<uint32_t>(place.line), static_cast<uint32_t>(place.column)}, 0);
+  if (is_new) {
+    TextureDescription texture = read_texture(fmt::format("line {}", place.line), value, document);
+    found->second = static_cast<uint32_t>(document.scene().textures.size());
+    document.scene().textures.push_back(std::move(texture));
   }
-  value.fail_unknown("texture", names);
+  return found->second;
 }
 
-void read_environment(const YamlValue& value, const std::string& folder, SceneDescription& scene) {
+void read_environment(const YamlValue& value, YamlDocument& document) {
+  SceneDescription& scene = document.scene();
   YamlMap map(value);
   TextureDescription& image = scene.environment.emplace();
-  read_image_of(map, folder, image, scene);
+  read_image_of(map, image, document);
   scene.background = Color(1);
   if (auto v = map.find("intensity")) scene.background = Color(v->number_in(0, 1e9));
   if (auto v = map.find("turn")) scene.environment_turn = v->number() / 360;

@@ -1,0 +1,66 @@
+#pragma once
+// What the readers of YAML values share: the scene that a document joins, what its names stand for, and what
+// is wrong so far.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/description/formats/yaml_reader.h"
+
+namespace rayfarm {
+
+/// Problems of several places, told together: what is wrong at one item does not hide what is wrong at the
+/// next.
+class YamlProblems {
+ public:
+  /// Calls `step`, and keeps the InputError that it throws. Throws all that there are once they are too many.
+  template <typename Step>
+  void keep(Step step) {
+    try {
+      step();
+    } catch (const InputError& e) {
+      add(e);
+    }
+  }
+  /// Throws them, if there are any, as one InputError with a line for each.
+  void throw_if_any() const;
+
+ private:
+  void add(const InputError& e);
+  std::vector<std::string> lines_;
+};
+
+/// A kind of things that documents name: textures, materials or objects.
+class YamlNames {
+ public:
+  explicit YamlNames(std::string kind) : kind_(std::move(kind)) {}
+
+  /// Throws InputError if the name is taken.
+  void define(const YamlValue& key, uint32_t id);
+  /// The id of what the value names. `otherwise`: what else could stand here.
+  uint32_t find(const YamlValue& value, const std::string& otherwise = "") const;
+
+ private:
+  std::string kind_;
+  std::map<std::string, uint32_t, std::less<>> ids_;
+  std::vector<std::string> names_;  ///< in the order of their definitions
+};
+
+/// What all documents of a scene have in common.
+struct YamlScene {
+  SceneDescription description;
+  YamlNames textures{"texture"}, materials{"material"}, objects{"object"};
+  /// Of what is described where it is used; an alias is its anchor.
+  std::map<std::array<uint32_t, 3>, uint32_t> textures_in_place, materials_in_place;
+  YamlProblems problems;
+};
+
+/// A document of a scene while it is read.
+struct YamlDocument {
+  YamlScene& shared;
+  std::string folder;  ///< of the document: the files that it names are relative to it
+  SceneDescription& scene() const { return shared.description; }
+  std::string path_of(const YamlValue& file) const;
+};
+
+}  // namespace rayfarm

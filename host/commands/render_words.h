@@ -1,0 +1,13 @@
+#pragma once
+// The options of `rayfarm render`.
+#include "host/commands/command_line.h"
+#include "host/render/render_options.h"
+
+namespace rayfarm {
+
+void add_render_options(Options& options, RenderOptions& o);
+
+/// Settles what follows from the options. Throws UsageError where they don't fit together.
+void check_render(RenderOptions& o);
+
+}  // namespace rayfarm
