@@ -1,10 +1,7 @@
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
 #include <set>
 
+#include "common/description/formats/mesh_loaders.h"
 #include "common/description/formats/scene_loaders.h"
-#include "common/files/regular_file.h"
 #include "common/image/image_file.h"
 
 namespace rayfarm {
@@ -21,16 +18,10 @@ constexpr Format kFormats[] = {{".yaml", load_yaml_scene},
                                {".rfp", load_part_scene}};
 
 /// What to do with a file that is no scene.
-std::string advice_for(const std::string& path, const std::string& extension) {
-  static const std::set<std::string> kOtherMeshes{".3ds", ".abc",  ".blend", ".dae", ".fbx",
-                                                  ".glb", ".gltf", ".off",   ".ply", ".stl",
-                                                  ".usd", ".usda", ".usdc",  ".usdz"};
-  const bool is_other = kOtherMeshes.contains(extension);
-  if (extension != ".obj" && !is_other) return "";
-  std::filesystem::path mesh = std::filesystem::path(path).filename();
-  if (is_other) mesh.replace_extension(".obj");
-  return fmt::format("; {} .obj mesh{} goes into a .yaml scene: `- mesh: {{file: {}}}`",
-                     is_other ? "export it as an" : "an", is_other ? ", which" : "", mesh.string());
+std::string advice_for(const std::string& extension) {
+  static const std::set<std::string> kOtherModels{".3ds",  ".3mf", ".abc",  ".blend", ".dae", ".fbx",
+                                                  ".step", ".usd", ".usda", ".usdc",  ".usdz"};
+  return kOtherModels.contains(extension) ? "; export it as .obj or .ply" : "";
 }
 
 }  // namespace
@@ -43,9 +34,16 @@ SceneDescription load_scene(const std::string& path, const LoadOptions& options)
     validate(scene, options.stop);
     return scene;
   }
-  throw IoError(fmt::format(
-      "{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff, and objects that it compiled (.rfp){}",
-      path, extension, advice_for(path, extension)));
+  if (find_mesh_format(path)) {
+    SceneDescription scene = load_mesh_scene(path, options);
+    validate(scene, options.stop);
+    return scene;
+  }
+  throw IoError(
+      fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff, meshes ({}), and objects "
+                  "that it compiled "
+                  "(.rfp){}",
+                  path, extension, mesh_extensions(), advice_for(extension)));
 } catch (const std::bad_alloc&) {
   throw IoError(fmt::format("{}: the scene and its files need more memory than there is", path));
 }

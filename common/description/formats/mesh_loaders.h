@@ -15,6 +15,9 @@ struct MeshRequest {
   Smoothing smoothing = Smoothing::flat;
   Place place;                         ///< of the request
   bool is_smoothing_asked_for = true;  ///< else it is the file's own, where that says what is smooth
+  /// Where the file says nothing: edges between faces that meet at a larger angle, in degrees, stay sharp,
+  /// and if no smoothing is asked for the rest is `phong`. 0: no edges do, and it is flat.
+  double crease = 0;
 };
 
 /// Adds what the file holds to an object, and its materials and notes to the scene.

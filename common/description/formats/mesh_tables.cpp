@@ -373,7 +373,7 @@ MeshShape read_mesh_tables(SceneDescription& scene, const MeshTables& tables, co
   MeshShape mesh = reader.read(options.progress);
   add_table_notes(scene.notes, tables, request.path, reader.counts());
   check_faces(mesh, request.path);
-  if (mesh.smoothing != Smoothing::flat && mesh.normals.empty()) smooth_normals(mesh, {}, options.stop);
+  if (mesh.normals.empty()) add_asked_normals(mesh, request, options.stop);
   return mesh;
 }
 

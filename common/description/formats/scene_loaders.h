@@ -10,5 +10,7 @@ SceneDescription load_yaml_scene(const std::string& path, const LoadOptions& opt
 SceneDescription load_nff_scene(const std::string& path, const LoadOptions& options);
 /// Compiled objects, to look at them; they are no text, and not counted.
 SceneDescription load_part_scene(const std::string& path, const LoadOptions& options);
+/// A file of a mesh (mesh_loaders.h), as quick_look.h shows it.
+SceneDescription load_mesh_scene(const std::string& path, const LoadOptions& options);
 
 }  // namespace rayfarm

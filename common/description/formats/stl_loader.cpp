@@ -158,7 +158,7 @@ MeshShape read_stl_mesh(SceneDescription& scene, std::string_view bytes, const M
        "a facet's normal points the other way than the order of its corners, which counts");
   note(reader.counts.attributes, "a facet's attribute, which some programs take for a colour, is not used");
   check_faces(mesh, request.path);
-  if (mesh.smoothing != Smoothing::flat) smooth_normals(mesh, {}, options.stop);
+  add_asked_normals(mesh, request, options.stop);
   return mesh;
 }
 
