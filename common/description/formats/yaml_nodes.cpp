@@ -224,6 +224,12 @@ void YamlNodes::read_mesh(const YamlValue& value, YamlMap& node, uint32_t object
   const YamlValue file = map.require("file");
   const bool has_smoothing = map.has("smooth");
   const Smoothing smoothing = read_smoothing(map, Smoothing::flat);
+  double crease = 0;
+  if (auto v = map.find("crease")) {
+    if (has_smoothing && smoothing == Smoothing::flat)
+      v->fail("`crease` belongs to a smooth mesh; leave it out of a flat one");
+    crease = v->number_in(1, 179);
+  }
   const bool is_replaced = has_override(node, map, inherited);
   map.finish();
   const std::string path = document_.path_of(file);
@@ -239,7 +245,7 @@ void YamlNodes::read_mesh(const YamlValue& value, YamlMap& node, uint32_t object
   const size_t first_object = scene_.objects.size(), first_child = scene_.objects[object].children.size(),
                first_primitive = scene_.objects[object].primitives.size();
   try {
-    format->load(scene_, object, {path, inherited.material, smoothing, value.place(), has_smoothing},
+    format->load(scene_, object, {path, inherited.material, smoothing, value.place(), has_smoothing, crease},
                  options_);
   } catch (const IoError& e) {
     file.fail(e.what());
