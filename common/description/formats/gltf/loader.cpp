@@ -59,9 +59,8 @@ SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& opt
     set_view(file, animation, nodes.cameras(), scene);
   else
     look_at(bounds_of_object(scene, root, 0), scene.view);
-  const bool shines = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-    return m.emission != Color(0) && !m.is_unlit;
-  });
+  const bool shines = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                  [](const Material& m) { return m.emission != Color(0) && !m.is_unlit; });
   if (nodes.light_count() == 0 && !shines) {
     scene.notes.add({path}, "the file has no lights; one shines from beside the viewer");
     Light& light = scene.lights.emplace_back();
