@@ -50,7 +50,7 @@ void add_check_command(CommandLine& line) {
   verb.help = "validate a scene and list every file it uses";
   verb.run = [path, build](const Renders&) { return check(*path, *build); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", *path, ".yaml, .nff, a mesh (.obj, .off, .ply, .stl) or .rfp").required();
   add_hierarchy_options(options, *build);
 }
 

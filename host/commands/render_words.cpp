@@ -279,7 +279,7 @@ void check_combinations(const RenderOptions& o) {
 }  // namespace
 
 void add_render_options(Options& options, RenderOptions& o) {
-  options.text("SCENE", o.scene, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", o.scene, ".yaml, .nff, a mesh (.obj, .off, .ply, .stl) or .rfp").required();
   add_picture(options, o);
   add_light(options, o);
   options.begin_group("Zones (--lighting radiosity and zonal)", AskedBy::scenes_too);

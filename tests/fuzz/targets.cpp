@@ -93,6 +93,58 @@ constexpr const char* kNff =
     "f 1 0.5 0.2 0.8 0.3 20 0 1\np 4\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\ns 0 0 1 0.5\nc\n0 0 0 1\n0 0 1 0.2\n"
     "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
 
+constexpr const char* kOff = "OFF\n4 2 5\n0 0 0\n1 0 0\n1 1 0\n0 1 0 # x\n3 0 1 2\n4 0 1 2 3 255 0 0\n";
+constexpr const char* kColouredOff =
+    "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 9 1 0 0\n1 0 0 0 0 1 255 0 9 1 1 0\n0 1 0 0 0 1 255 0 9 1 0 1\n3 0 1 "
+    "2\n";
+
+std::vector<std::string> ply_seeds() {
+  const std::string elements =
+      "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+      "property uchar green\nproperty uchar blue\nproperty float s\nproperty float t\nelement face 2\n"
+      "property list uchar int vertex_indices\nproperty list uchar float texcoord\nelement tristrips 1\n"
+      "property list int int vertex_indices\nend_header\n";
+  std::vector<std::string> seeds{
+      "ply\nformat ascii 1.0\n" + elements +
+      "0 0 0 1 2 3 0 0\n1 0 0 1 2 3 1 0\n1 1 0 1 2 3 1 1\n0 1 0 1 2 3 0 1\n3 0 1 2 0\n"
+      "4 0 1 2 3 8 0 0 1 0 1 1 0 1\n6 0 1 2 -1 3 2\n"};
+  for (const bool is_big : {false, true}) {
+    std::string body;
+    const auto add = [&](uint32_t word) {
+      for (int i = 0; i < 4; ++i) body += static_cast<char>(word >> 8 * (is_big ? 3 - i : i) & 0xff);
+    };
+    for (uint32_t i = 0; i < 4; ++i) {
+      for (const bool is_one : {i == 1 || i == 2, i >= 2, false}) add(is_one ? 0x3f800000u : 0u);
+      body += "abc";
+      add(0);
+      add(0x3f800000u);
+    }
+    body += '\3';
+    for (const uint32_t corner : {0u, 1u, 2u}) add(corner);
+    body += '\0';
+    body += '\4';
+    for (const uint32_t corner : {0u, 1u, 2u, 3u}) add(corner);
+    body += '\0';
+    add(4);
+    for (const uint32_t corner : {0u, 1u, 2u, 3u}) add(corner);
+    seeds.push_back(std::string("ply\nformat binary_") + (is_big ? "big" : "little") + "_endian 1.0\n" +
+                    elements + body);
+  }
+  return seeds;
+}
+
+std::vector<std::string> stl_seeds() {
+  std::string bytes(80, ' ');
+  bytes += std::string("\2\0\0\0", 4);
+  for (int facet = 0; facet < 2; ++facet)
+    for (int i = 0; i < 12; ++i) bytes += std::string(i % 4 == facet ? "\0\0\x80\x3f" : "\0\0\0\0", 4);
+  bytes.insert(bytes.size() - 48, 2, '\0');
+  bytes += std::string(2, '\0');
+  const std::string facet =
+      "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\n endloop\nendfacet\n";
+  return {"solid a\n" + facet + facet + "endsolid a\nsolid b\n" + facet + "endsolid b\n", bytes};
+}
+
 /// However it is cut into pieces a file is what it is in one, and so is its error: a piece a line or record,
 /// and a few pieces.
 template <typename Read, typename IsSame>
@@ -113,6 +165,16 @@ void cut_nff(const std::string& bytes) {
 void cut_obj(const std::string& bytes, const std::string& path) {
   cut(
       bytes, [&](std::span<const size_t> borders) { return test::read_obj(bytes, path, borders); },
+      [](const auto& a, const auto& b) { return test::is_same(a, b); });
+}
+void cut_ply(const std::string& bytes) {
+  cut(
+      bytes, [&](std::span<const size_t> borders) { return test::read_ply(bytes, "in.ply", borders); },
+      [](const auto& a, const auto& b) { return test::is_same(a, b); });
+}
+void cut_stl(const std::string& bytes) {
+  cut(
+      bytes, [&](std::span<const size_t> borders) { return test::read_stl(bytes, "in.stl", borders); },
       [](const auto& a, const auto& b) { return test::is_same(a, b); });
 }
 
@@ -296,6 +358,30 @@ std::vector<Target> make_targets(const std::string& path) {
         "3.1+e2",
         "# \\\n",
         "fo "}},
+      {"ply",
+       [folder](const std::string& bytes) {
+         cut_ply(bytes);
+         render_file(folder.write("in.ply", bytes));
+       },
+       ply_seeds(),
+       {"element vertex 3\n", "element face 1\n", "element other 9\n", "property float nx\n",
+        "property uchar red\n", "property list uchar int vertex_indices\n",
+        "property list int8 double texcoord\n", "tristrips", "ascii", "binary_little_endian",
+        "binary_big_endian", "end_header\n", "\r\n", "-1", "4294967295", "99999999999999999999", "nan",
+        "1e39", "\xff\xff\xff\xff"}},
+      {"stl",
+       [folder](const std::string& bytes) {
+         cut_stl(bytes);
+         render_file(folder.write("in.stl", bytes));
+       },
+       stl_seeds(),
+       {"solid x\n", "facet normal 0 0 1\n", "outer loop\n", "vertex 1 2 3\n", "endloop\n", "endfacet\n",
+        "endsolid\n", "nan", "1e39", "\xff\xff\xff\xff", "\r"}},
+      {"off",
+       [folder](const std::string& bytes) { render_file(folder.write("in.off", bytes)); },
+       {kOff, kColouredOff},
+       {"STCNOFF\n", "COFF\n", "NOFF", "OFF BINARY", "4OFF", "3 ", "-1", "99999999999", "nan", "1e39", "#",
+        "\n", "3 0 1 2\n"}},
       {"mtl",
        [folder](const std::string& bytes) {
          folder.write("a.obj", kObj);

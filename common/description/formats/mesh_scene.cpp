@@ -48,7 +48,7 @@ MeshScene load_model(const std::string& path, const LoadOptions& options) {
       if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape))
         result.is_coloured |= !mesh->colors.empty();
   scene.materials[1] = quick_look_material(result.is_coloured);
-  const Box bounds = bounds_of_meshes(scene);
+  const Box bounds = bounds_of(scene);
   if (bounds.is_empty()) throw InputError({path}, "there is nothing in it to look at");
   result.look = make_quick_look(bounds);
   return result;
