@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include "common/compile/compile.h"
+#include "common/description/formats/mesh_loaders.h"
+#include "common/description/formats/mesh_scene.h"
 #include "common/description/part_file.h"
 #include "common/image/image_file.h"
 #include "host/commands/commands.h"
@@ -29,7 +31,9 @@ void check_options(const CompileOptions& o) {
 
 int compile_objects(const CompileOptions& o) try {
   const StopOnInterrupt stop;
-  const SceneDescription scene = load_scene(o.scene, {.stop = stop.token()});
+  const LoadOptions options{.stop = stop.token()};
+  const SceneDescription scene =
+      find_mesh_format(o.scene) ? load_bare_mesh(o.scene, options) : load_scene(o.scene, options);
   BuildOptions build = o.build;
   build.stop = stop.token();
   const CompiledScene compiled = compile(scene, build, Purpose::library);

@@ -67,7 +67,7 @@ TEST(Ply, TextAndBothOrdersOfBytesAreTheSameMesh) {
   EXPECT_EQ(mesh.polygons.corners, (LargeVector<uint32_t>{0, 1, 2, 3}));
   EXPECT_EQ(mesh.colors.at(0), make_vertex_color({1, 0, 0}));
   EXPECT_EQ(mesh.colors.at(3), make_vertex_color({decode_srgb8(51), decode_srgb8(102), decode_srgb8(153)}))
-      << "whole numbers are sRGB";
+      << "sRGB";
   test::expect_note(text, "a.ply:5:", "of element 'vertex' is not used: `spare`");
   test::expect_note(text, "a.ply:13:", "of element 'face' is not used: `quality`, `other`");
   for (const std::endian endian : {std::endian::little, std::endian::big}) {
@@ -285,8 +285,7 @@ TEST(Off, AllKindsOfVerticesAreRead) {
   const SceneDescription all = load("STCNOFF\n4 2 0", " 0 0 1  0.5 1 0.25 0.5  0.1 0.2");
   EXPECT_EQ(mesh_of(all).normals.at(3), glm::vec3(0, 0, 1));
   EXPECT_EQ(mesh_of(all).smoothing, Smoothing::phong);
-  EXPECT_EQ(mesh_of(all).colors.at(3), make_vertex_color({0.5, 1, 0.25}, 0.5))
-      << "numbers with a point are linear";
+  EXPECT_EQ(mesh_of(all).colors.at(3), make_vertex_color({decode_srgb(0.5), 1, decode_srgb(0.25)}, 0.5));
   EXPECT_EQ(mesh_of(all).uvs.at(3), glm::vec2(0.1f, 0.2f));
   EXPECT_EQ(mesh_of(load("COFF\n4 2 0", " 255 51 0")).colors.at(1),
             make_vertex_color({1, decode_srgb8(51), 0}));

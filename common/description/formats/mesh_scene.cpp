@@ -73,4 +73,13 @@ std::string yaml_of_mesh_scene(const std::string& path, const std::string& file,
   return yaml_of_quick_look(model.look, file, fmt::format(", crease: {}", kCrease), node, model.is_coloured);
 }
 
+SceneDescription load_bare_mesh(const std::string& path, const LoadOptions& options) {
+  SceneDescription scene;
+  scene.materials.emplace_back("default");
+  scene.objects.push_back({"scene", {}, {}, {}});
+  find_mesh_format(path)->load(scene, 0, {path, 0, Smoothing::flat, {}, false}, options);
+  validate(scene, options.stop);
+  return scene;
+}
+
 }  // namespace rayfarm
