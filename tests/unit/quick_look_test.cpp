@@ -33,7 +33,9 @@ TEST(QuickLook, TheWholeModelIsInThePictureWhateverItsShape) {
       most = std::max({most, std::abs(x), std::abs(y)});
     }
     EXPECT_LE(most, 0.8801);
-    if (max_component(extent) > 1e-3) EXPECT_GT(most, 0.5) << "and fills it";
+    if (max_component(extent) > 1e-3) {
+      EXPECT_GT(most, 0.5) << "and fills it";
+    }
     for (const Vec3& corner : look.ground) EXPECT_LT(corner.y, box.lo.y);
     EXPECT_GT(look.lamp.y - look.lamp_radius, box.hi.y);
   }
@@ -41,13 +43,15 @@ TEST(QuickLook, TheWholeModelIsInThePictureWhateverItsShape) {
 
 TEST(QuickLook, ScenesKeepTheViewAndTheLightsThatTheyHave) {
   SceneDescription lit =
-      test::load_yaml(test::view_text() + "lights: [{position: [1, 2, 3]}]\nscene: [{sphere: {}}]\n");
+      test::load_yaml(test::view_text() +
+                      "lights: [{position: [1, 2, 3]}]\nscene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n");
   const size_t objects = lit.objects.size();
   add_quick_look(lit, make_quick_look(bounds_of(lit)));
   EXPECT_EQ(lit.objects.size(), objects);
   EXPECT_EQ(Vec3(lit.view.location.values[0]), Vec3(0, 0, 5));
   EXPECT_TRUE(lit.render.empty());
-  SceneDescription dark = test::load_yaml(test::view_text() + "scene: [{sphere: {}}]\n");
+  SceneDescription dark =
+      test::load_yaml(test::view_text() + "scene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n");
   add_quick_look(dark, make_quick_look(bounds_of(dark)));
   EXPECT_EQ(Vec3(dark.view.location.values[0]), Vec3(0, 0, 5));
   EXPECT_EQ(compile(dark).scene.lights.size(), 1u);

@@ -199,7 +199,7 @@ void MeshTableReader::read_vertices(const MeshTable& table, Values& values, cons
         numbers[column.role] = values.real(column.type);
     }
     counts.rests[chunk.table] += values.has_more();
-    if (!(max_magnitude(Vec3(numbers.three_from(ColumnRole::x))) <= limits::kCoordinate))
+    if (!is_position(numbers.three_from(ColumnRole::x)))
       values.fail(fmt::format("the vertex is not finite or beyond {:g}", limits::kCoordinate));
     set_vertex(chunk.first_row + i, numbers, counts);
   }
