@@ -42,6 +42,9 @@ class ObjectBounds {
     grow(box, SphereShape{cone.apex, cone.apex_radius});
   }
   static void grow(Box&, const QuadricShape&) {}
+  static void grow(Box& box, const PatchShape& patch) {
+    for (const Vec3& p : patch.corners) box.grow(p);
+  }
   static void grow(Box& box, const PolygonShape& polygon) {
     for (const Vec3& p : polygon.points) box.grow(p);
   }

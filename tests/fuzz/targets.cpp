@@ -21,6 +21,7 @@
 #include "tests/fuzz/block_seeds.h"
 #include "tests/fuzz/gltf_seeds.h"
 #include "tests/fuzz/grid_seeds.h"
+#include "tests/fuzz/mesh_seeds.h"
 #include "tests/fuzz/messages.h"
 #include "tests/fuzz/zone_bytes.h"
 #include "tests/read_in_pieces.h"
@@ -66,26 +67,6 @@ std::vector<std::string> scene_seeds(const char* extension) {
   return seeds;
 }
 
-constexpr const char* kObj =
-    "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 1\nusemtl a\ns 1\n"
-    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\nf 1 2 3 4 2\ng x\no y\nf 1//1 2//1 3//1\n";
-constexpr const char* kMtl =
-    "newmtl a\nKd 1 .5 0\nKs .2 .2 .2\nNs 20\nillum 3\nd 0.5\nNi 1.5\nmap_Kd -o 0.1 0 -s 2 2 t.png\nKe 0 0 "
-    "0\n";
-constexpr const char* kSmoothObj =
-    "mtllib a.mtl\nv 0 0 0 1 .5 0\nv 1 0 \\\n0\nv 1 1 0 255 0 1\nv 0 1 3.1+e0\ns 1\nf 1// 2/ 3\ns 2\nf 1 3 4 "
-    "# end\n"
-    "s off\nusemtl a\nfo +1 3 2\n";
-constexpr const char* kPhysicalMtl =
-    "newmtl a\nKd 1 .5 0\nPr .3\nPm 1\nPc .5\nPcr .1\nKs .5 .5 .5\nmap_Pr -imfchan g -clamp on t.png\nmap_Pm "
-    "t.png\n"
-    "norm -bm .5 t.png\nmap_Ke t.png\n";
-constexpr const char* kGlassMtl =
-    "newmtl a\nKd 0 0 0\nKs 1 1 1\nillum 7\nTr .9\nTf 1 .5 1\nmap_Bump t.png -bm 2\nmap_Ks t.png\nnewmtl "
-    "b\nKd 1 1 1\n"
-    "Ns 90\nd .5\nmap_d t.png\n";
-constexpr const char* kYamlMesh =
-    "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{mesh: {file: a.obj, smooth: phong}}]\n";
 constexpr const char* kYamlPart =
     "view: {location: [0, 0, 9], look_at: [0, 0, 0]}\nlights: [{position: [1, 2, 3]}]\nscene:\n"
     "  - {use: {file: a.rfp}}\n  - {use: {file: a.rfp}, transform: {scale: 0.5}}\n";
@@ -114,6 +95,16 @@ void cut_nff(const std::string& bytes) {
 void cut_obj(const std::string& bytes, const std::string& path) {
   cut(
       bytes, [&](std::span<const size_t> borders) { return test::read_obj(bytes, path, borders); },
+      [](const auto& a, const auto& b) { return test::is_same(a, b); });
+}
+void cut_ply(const std::string& bytes) {
+  cut(
+      bytes, [&](std::span<const size_t> borders) { return test::read_ply(bytes, "in.ply", borders); },
+      [](const auto& a, const auto& b) { return test::is_same(a, b); });
+}
+void cut_stl(const std::string& bytes) {
+  cut(
+      bytes, [&](std::span<const size_t> borders) { return test::read_stl(bytes, "in.stl", borders); },
       [](const auto& a, const auto& b) { return test::is_same(a, b); });
 }
 
@@ -297,6 +288,30 @@ std::vector<Target> make_targets(const std::string& path) {
         "3.1+e2",
         "# \\\n",
         "fo "}},
+      {"ply",
+       [folder](const std::string& bytes) {
+         cut_ply(bytes);
+         render_file(folder.write("in.ply", bytes));
+       },
+       ply_seeds(),
+       {"element vertex 3\n", "element face 1\n", "element other 9\n", "property float nx\n",
+        "property uchar red\n", "property list uchar int vertex_indices\n",
+        "property list int8 double texcoord\n", "tristrips", "ascii", "binary_little_endian",
+        "binary_big_endian", "end_header\n", "\r\n", "-1", "4294967295", "99999999999999999999", "nan",
+        "1e39", "\xff\xff\xff\xff"}},
+      {"stl",
+       [folder](const std::string& bytes) {
+         cut_stl(bytes);
+         render_file(folder.write("in.stl", bytes));
+       },
+       stl_seeds(),
+       {"solid x\n", "facet normal 0 0 1\n", "outer loop\n", "vertex 1 2 3\n", "endloop\n", "endfacet\n",
+        "endsolid\n", "nan", "1e39", "\xff\xff\xff\xff", "\r"}},
+      {"off",
+       [folder](const std::string& bytes) { render_file(folder.write("in.off", bytes)); },
+       {kOff, kColouredOff},
+       {"STCNOFF\n", "COFF\n", "NOFF", "OFF BINARY", "4OFF", "3 ", "-1", "99999999999", "nan", "1e39", "#",
+        "\n", "3 0 1 2\n"}},
       {"mtl",
        [folder](const std::string& bytes) {
          folder.write("a.obj", kObj);

@@ -28,6 +28,11 @@ void set_face(MeshShape& mesh, FacePlace& place, std::span<const FaceCorner> cor
 /// The same, behind all faces so far.
 void add_face(MeshShape& mesh, std::span<const FaceCorner> corners);
 
+/// A position that a mesh may have.
+inline bool is_position(const glm::vec3& p) {
+  return is_finite(Vec3(p)) && max_magnitude(Vec3(p)) <= limits::kCoordinate;
+}
+
 /// Throws InputError if the mesh that is the whole file has no faces, or more than a scene holds.
 void check_faces(const MeshShape& mesh, const std::string& path);
 

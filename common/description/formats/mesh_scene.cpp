@@ -48,7 +48,7 @@ MeshScene load_model(const std::string& path, const LoadOptions& options) {
       if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape))
         result.is_coloured |= !mesh->colors.empty();
   scene.materials[1] = quick_look_material(result.is_coloured);
-  const Box bounds = bounds_of_meshes(scene);
+  const Box bounds = bounds_of(scene);
   if (bounds.is_empty()) throw InputError({path}, "there is nothing in it to look at");
   result.look = make_quick_look(bounds);
   return result;
@@ -71,6 +71,15 @@ std::string yaml_of_mesh_scene(const std::string& path, const std::string& file,
     node += "]}  # z is up in the file\n";
   }
   return yaml_of_quick_look(model.look, file, fmt::format(", crease: {}", kCrease), node, model.is_coloured);
+}
+
+SceneDescription load_bare_mesh(const std::string& path, const LoadOptions& options) {
+  SceneDescription scene;
+  scene.materials.emplace_back("default");
+  scene.objects.push_back({"scene", {}, {}, {}});
+  find_mesh_format(path)->load(scene, 0, {path, 0, Smoothing::flat, {}, false}, options);
+  validate(scene, options.stop);
+  return scene;
 }
 
 }  // namespace rayfarm

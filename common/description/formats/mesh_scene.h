@@ -8,4 +8,8 @@ namespace rayfarm {
 /// mesh's name relative to the scene's folder. Throws InputError, IoError and Stopped.
 std::string yaml_of_mesh_scene(const std::string& path, const std::string& file, const LoadOptions& options);
 
+/// The mesh alone, as it stands in its file: what a scene has that names it with no other key. Throws
+/// InputError, IoError and Stopped.
+SceneDescription load_bare_mesh(const std::string& path, const LoadOptions& options);
+
 }  // namespace rayfarm

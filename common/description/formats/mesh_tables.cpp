@@ -13,27 +13,23 @@ namespace {
 
 constexpr uint64_t kRowsPerLook = 1 << 12;
 
-/// How a column's numbers are read as colours: whole numbers are sRGB as in images, others linear.
-struct ColorScale {
-  bool is_srgb = false;
-  double scale = 1;
-};
-ColorScale color_scale_of(NumberType type) {
+/// What numbers of a column are multiplied by to be colours: the largest whole number becomes 1.
+double color_scale_of(NumberType type) {
   switch (type) {
     case NumberType::int8:
-      return {true, 1.0 / 127};
+      return 1.0 / 127;
     case NumberType::uint8:
-      return {true, 1.0 / 255};
+      return 1.0 / 255;
     case NumberType::int16:
-      return {true, 1.0 / 32767};
+      return 1.0 / 32767;
     case NumberType::uint16:
-      return {true, 1.0 / 65535};
+      return 1.0 / 65535;
     case NumberType::int32:
-      return {true, 1.0 / 2147483647};
+      return 1.0 / 2147483647;
     case NumberType::uint32:
-      return {true, 1.0 / 4294967295};
+      return 1.0 / 4294967295;
     default:
-      return {};
+      return 1;
   }
 }
 
@@ -122,7 +118,7 @@ class MeshTableReader {
   ChunkCounts all_;
   uint64_t vertices_ = 0;
   bool has_uvs_ = false, has_corner_uvs_ = false;
-  ColorScale color_, opacity_;
+  double color_scale_ = 1, opacity_scale_ = 1;
   bool has_colors_ = false, has_opacity_ = false;
   MeshShape mesh_;
 };
@@ -141,8 +137,8 @@ MeshTableReader::MeshTableReader(const MeshTables& tables, const MeshRequest& re
     has_colors_ = table.has(ColumnRole::red);
     has_opacity_ = table.has(ColumnRole::alpha);
     for (const TableColumn& column : table.columns) {
-      if (column.role == ColumnRole::red) color_ = color_scale_of(column.type);
-      if (column.role == ColumnRole::alpha) opacity_ = color_scale_of(column.type);
+      if (column.role == ColumnRole::red) color_scale_ = color_scale_of(column.type);
+      if (column.role == ColumnRole::alpha) opacity_scale_ = color_scale_of(column.type);
     }
   }
   mesh_.smoothing = !request.is_smoothing_asked_for && has_normals ? Smoothing::phong : request.smoothing;
@@ -203,7 +199,7 @@ void MeshTableReader::read_vertices(const MeshTable& table, Values& values, cons
         numbers[column.role] = values.real(column.type);
     }
     counts.rests[chunk.table] += values.has_more();
-    if (!(max_magnitude(Vec3(numbers.three_from(ColumnRole::x))) <= limits::kCoordinate))
+    if (!is_position(numbers.three_from(ColumnRole::x)))
       values.fail(fmt::format("the vertex is not finite or beyond {:g}", limits::kCoordinate));
     set_vertex(chunk.first_row + i, numbers, counts);
   }
@@ -224,10 +220,10 @@ void MeshTableReader::set_vertex(size_t row, VertexNumbers& numbers, ChunkCounts
   const glm::vec3 stored = numbers.three_from(ColumnRole::red);
   Color color;
   for (int k = 0; k < 3; ++k) {
-    color[k] = color_.scale * static_cast<double>(finite_or_zero(stored[k], counts.bad_colors));
-    if (color_.is_srgb) color[k] = decode_srgb(std::max(0.0, color[k]));
+    color[k] = decode_srgb(
+        std::max(0.0, color_scale_ * static_cast<double>(finite_or_zero(stored[k], counts.bad_colors))));
   }
-  const double opacity = has_opacity_ ? opacity_.scale * static_cast<double>(finite_or_zero(
+  const double opacity = has_opacity_ ? opacity_scale_ * static_cast<double>(finite_or_zero(
                                                              numbers[ColumnRole::alpha], counts.bad_colors))
                                       : 1;
   mesh_.colors[row] = make_vertex_color(color, opacity);

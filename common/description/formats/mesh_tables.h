@@ -66,7 +66,7 @@ struct MeshTables {
 
 /// Reads the body of the file that is asked for; what is not used is noted in the scene. Text is cut at the
 /// first rows behind `borders`, which rise. Where no smoothing is asked for, the mesh is smooth if its
-/// vertices have normals. Colours in whole numbers are sRGB, others linear. Memory is bounded by the size of
+/// vertices have normals. Colours are sRGB, as programs write them. Memory is bounded by the size of
 /// the body, whatever the tables claim. Throws InputError and Stopped.
 MeshShape read_mesh_tables(SceneDescription& scene, const MeshTables& tables, const MeshRequest& request,
                            std::span<const size_t> borders, const LoadOptions& options);

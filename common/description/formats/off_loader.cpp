@@ -62,9 +62,15 @@ class OffReader {
     }
     const uint64_t faces = count();
     while (words_.has_more()) words_.word();  // edges, which nobody counts rightly
-    MeshTable vertex{.name = "vertex", .use = TableUse::vertices, .rows = vertices};
-    MeshTable face{.name = "face", .use = TableUse::faces, .rows = faces, .rest = "the colour"};
+    MeshTable vertex, face;
+    vertex.name = "vertex";
+    vertex.use = TableUse::vertices;
+    vertex.rows = vertices;
     add_columns(vertex, kind);
+    face.name = "face";
+    face.use = TableUse::faces;
+    face.rows = faces;
+    face.rest = "the colour";
     face.columns.push_back({NumberType::int32, NumberType::int32, ColumnRole::corners});
     tables_.tables = {std::move(vertex), std::move(face)};
     return std::move(tables_);
@@ -77,10 +83,8 @@ class OffReader {
     if (n < 0 || n > UINT32_MAX - 1) words.fail(fmt::format("there can't be {} vertices or faces", n));
     return static_cast<uint64_t>(n);
   }
-  '''
 
-      void
-      add_columns(MeshTable& vertex, const OffKind& kind) {
+  void add_columns(MeshTable& vertex, const OffKind& kind) {
     const auto add = [&vertex](std::initializer_list<ColumnRole> roles, NumberType type) {
       for (const ColumnRole role : roles) vertex.columns.push_back({type, std::nullopt, role});
     };

@@ -100,7 +100,7 @@ void read_bytes(SceneDescription& scene, std::string_view bytes, const MeshReque
     const std::array<glm::vec3, 3> points{vector_at(facet + 12), vector_at(facet + 24),
                                           vector_at(facet + 36)};
     for (const glm::vec3& p : points)
-      if (!(max_magnitude(Vec3(p)) <= limits::kCoordinate))
+      if (!is_position(p))
         throw InputError(
             place, fmt::format("facet {} of {}, at byte {}: a vertex is not finite or beyond {:g}", i + 1,
                                told, at, limits::kCoordinate));

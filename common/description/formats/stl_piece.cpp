@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "common/description/formats/mesh_faces.h"
 #include "common/description/formats/row_words.h"
 
 namespace rayfarm {
@@ -69,7 +70,7 @@ class StlPieceReader {
   glm::vec3 read_vector() {
     glm::vec3 v;
     for (int k = 0; k < 3; ++k) v[k] = words_.real();
-    if (!(max_magnitude(Vec3(v)) <= limits::kCoordinate))
+    if (!is_position(v))
       words_.fail(fmt::format("the vertex is not finite or beyond {:g}", limits::kCoordinate));
     return v;
   }
