@@ -1,7 +1,11 @@
 #include "common/compile/compile.h"
 
+#include <deque>
+
 #include "common/compile/corners.h"
 #include "common/compile/darkness.h"
+#include "common/compile/deforming.h"
+#include "common/compile/idle_notes.h"
 #include "common/compile/libraries.h"
 #include "common/compile/lights.h"
 #include "common/compile/materials.h"
@@ -14,8 +18,6 @@
 #include "common/compile/textures.h"
 #include "common/errors/input_error.h"
 #include "common/hierarchy/cells.h"
-#include "common/hierarchy/ray_coherence.h"
-#include "common/scene/references.h"
 
 namespace rayfarm {
 namespace {
@@ -79,8 +81,10 @@ class PartCompiler {
         part_of_(description.objects.size(), kNone) {}
 
   void add_all() {
-    for (const std::vector<FixedObject>& part : objects_by_parts(description_, purpose_ == Purpose::library))
-      add(part);
+    const auto parts = objects_by_parts(description_, purpose_ == Purpose::library);
+    add_deforming(parts);
+    for (const std::vector<FixedObject>& part : parts)
+      if (!is_deforming(part[0].object)) add(part);
     fill_corners(arrays_, arrays_);
   }
 
@@ -93,6 +97,11 @@ class PartCompiler {
   size_t built() const { return built_; }  ///< primitives that were given to the builder
   void add_notes(Notes& notes) const {
     shapes_.add_notes(notes);
+    if (structured_ > 0 || (!deforming_.empty() && options_.hierarchy != Hierarchy::sah))
+      notes.add(
+          description_.source(description_.objects[deforming_[0]].place),
+          "what changes its shape from frame to frame has volumes by the surface area heuristic (`sah`), "
+          "whatever hierarchy was asked for: they can be refitted");
     luminaires_.add_notes(description_, notes);
     for (size_t i = 0; i < in_use_.structures.size(); ++i)
       if (!in_use_.structures[i])
@@ -103,6 +112,43 @@ class PartCompiler {
   }
 
  private:
+  bool is_deforming(uint32_t object) const {
+    return std::binary_search(deforming_.begin(), deforming_.end(), object);
+  }
+
+  /// Those of objects that change their shape.
+  void add_deforming(std::span<const std::vector<FixedObject>> parts) {
+    for (const std::vector<FixedObject>& part : parts) {
+      const ObjectDescription& object = description_.objects[part[0].object];
+      if (!changes_shape(description_, object)) continue;
+      if (purpose_ == Purpose::library)
+        throw InputError(
+            description_.source(object.place),
+            fmt::format("'{}' changes its shape from frame to frame (by a skin or morph targets), and a "
+                        "file of compiled objects can't hold that; use the scene itself",
+                        object.name));
+      deforming_.push_back(part[0].object);
+      if (object.structure == kNone) continue;
+      in_use_.structures[object.structure] = true;
+      ++structured_;
+    }
+    std::sort(deforming_.begin(), deforming_.end());
+    add_deforming_parts(arrays_, description_, deforming_, options_, part_of_);
+    for (const DeformingPart& part : arrays_.deforming_parts) built_ += part.triangle_count;
+    luminous_of_.resize(arrays_.parts.size());
+    for (const uint32_t object : deforming_)
+      for (const PrimitiveDescription& p : description_.objects[object].primitives)
+        if (shines(std::get<MeshShape>(p.shape), p.material)) luminaires_.add_deforming(p.place);
+  }
+
+  bool shines(const MeshShape& mesh, uint32_t material) const {
+    const auto is_luminous = [&](uint32_t m) {
+      return is_luminaire(arrays_.materials[m]) && !arrays_.materials[m].is_no_lamp;
+    };
+    return mesh.materials.empty() ? is_luminous(material)
+                                  : std::any_of(mesh.materials.begin(), mesh.materials.end(), is_luminous);
+  }
+
   /// Makes the primitives of `objects` one part, which moves with the first.
   void add(const std::vector<FixedObject>& objects) {
     const uint32_t owner = objects[0].object;
@@ -150,6 +196,7 @@ class PartCompiler {
           mesh.positions = {};
           mesh.triangles = {};
         });
+    still_.clear();
   }
 
   /// Adds what is described of an object to the group: one object of it, but of what stands in the scene
@@ -159,7 +206,11 @@ class PartCompiler {
     GroupObject described{object, object == group.owner ? kNone : parent, count(), 0};
     const bool are_apart = object == description_.root && purpose_ == Purpose::pictures;
     for (const PrimitiveDescription& p : description_.objects[object].primitives) {
-      shapes_.add(group.primitives, p);
+      const auto* mesh = std::get_if<MeshShape>(&p.shape);
+      if (mesh && mesh->deformation)
+        shapes_.add(group.primitives, still_.emplace_back(make_still(description_, p)));
+      else
+        shapes_.add(group.primitives, p);
       if (!are_apart) continue;
       described.count = count() - described.first;
       group.objects.push_back(described);
@@ -195,169 +246,14 @@ class PartCompiler {
   size_t built_ = 0;
   std::vector<std::optional<uint32_t>> libraries_;  ///< where the parts of each begin, once they are there
   InUse in_use_;
+  std::vector<uint32_t> deforming_;  ///< objects, in order
+  size_t structured_ = 0;            ///< of them, that ask for a structure
+  std::deque<PrimitiveDescription>
+      still_;  ///< meshes whose skin or targets never change, until they are built
   std::vector<PlacedObject> placed_;
   std::vector<uint32_t> part_of_;
   std::vector<std::vector<Luminous>> luminous_of_;
 };
-
-/// What a scene says that is none of its objects' business.
-void add_notes_of_idle(const SceneDescription& description, Notes& notes) {
-  std::string idle;
-  const auto list = [&idle](bool is_there, const char* key) {
-    if (is_there) idle += fmt::format("{}`{}`", idle.empty() ? "" : ", ", key);
-  };
-  list(description.has_view, "view");
-  list(!description.lights.empty(), "lights");
-  list(description.environment.has_value(), "environment");
-  list(description.background != Color(0), "background");
-  list(description.ambient != Color(1), "ambient");
-  list(!description.media.empty(), "media");
-  if (!idle.empty())
-    notes.add(
-        description.source(),
-        fmt::format(
-            "{}: left out, as they belong to a scene and not to its objects (a light that belongs to an "
-            "object is `light:` in its tree)",
-            idle));
-}
-
-/// True if no option of octrees was given.
-bool is_usual_octree(const BuildOptions& options) {
-  const BuildOptions usual;
-  return options.octree_data == usual.octree_data && options.octree_next == usual.octree_next &&
-         options.octree_build == usual.octree_build && options.octree_depth == usual.octree_depth &&
-         options.octree_hash == usual.octree_hash;
-}
-
-/// What options can't change.
-void add_notes_of_built(const SceneDescription& description, const BuildOptions& options, Notes& notes) {
-  const BuildOptions usual;
-  if (description.libraries.empty() ||
-      (options.hierarchy == usual.hierarchy && options.max_primitives == usual.max_primitives &&
-       options.quality == usual.quality && options.cells == usual.cells && is_usual_octree(options) &&
-       !options.has_mailbox && options.thesis == usual.thesis && options.objects == usual.objects))
-    return;
-  notes.add({description.libraries[0].path},
-            "its volumes stay as they were built; how hierarchies are built acts on the rest of the scene");
-}
-
-/// Of several elements, itself or where a chain of single ones ends.
-bool is_group(const SceneDescription& description, const ObjectDescription& object) {
-  const ObjectDescription* o = &object;
-  while (o->primitives.empty() && o->children.size() == 1) o = &description.objects[o->children[0].object];
-  return o->children.size() + (o->primitives.empty() ? 0 : 1) > 1;
-}
-
-/// Bounding volumes that no hierarchy has.
-void add_notes_of_idle_bounds(const SceneDescription& description, const BuildOptions& options,
-                              const InUse& in_use, Notes& notes) {
-  std::vector<const ObjectDescription*> idle, idle_groups, idle_users;
-  for (size_t i = 0; i < description.objects.size(); ++i) {
-    const ObjectDescription& object = description.objects[i];
-    if (object.bound.empty()) continue;
-    const BuildOptions& own =
-        object.structure == kNone ? options : description.structures[object.structure].build;
-    const bool is_of_objects = own.hierarchy == Hierarchy::object;
-    if (is_of_objects && own.objects.clusters != Clusters::groups && is_group(description, object))
-      idle_groups.push_back(&object);
-    else if (!in_use.bounds[i])
-      (is_of_objects || options.hierarchy == Hierarchy::object ? idle_users : idle).push_back(&object);
-  }
-  const auto add = [&](const std::vector<const ObjectDescription*>& objects, const char* what,
-                       const char* why) {
-    if (!objects.empty())
-      notes.add(description.source(objects[0]->bound_place),
-                fmt::format("`bound` of {} {}{} changes nothing here: {}", objects.size(), what,
-                            objects.size() == 1 ? "" : "s", why));
-  };
-  add(idle, "object", "it belongs to an `object` hierarchy");
-  add(idle_groups, "group", "the scene's groups were not asked for as clusters");
-  add(idle_users, "object",
-      "what it has is used in several places or moves by itself, and has the volumes of the objects that are "
-      "used; or a group of one has the volumes of its element; or it has nothing");
-}
-
-/// How rays are traced, where that changes nothing.
-void add_notes_of_tracing(const SceneDescription& description, const BuildOptions& options, Purpose purpose,
-                          const Scene& scene, Notes& notes) {
-  if (purpose == Purpose::library) {
-    if (options.has_last_hit || options.ray_coherence > 0)
-      notes.add(description.source(),
-                "`--last-hit` and `--ray-coherence` act while pictures are traced, and change nothing here");
-    return;
-  }
-  if (options.ray_coherence == 0) return;
-  const std::vector<Candidate> candidates = candidates_of(scene);
-  const auto wholes =
-      std::count_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return c.is_whole; });
-  if (candidates.empty())
-    notes.add(
-        description.source(),
-        fmt::format("`--ray-coherence` changes nothing here: it lists primitives that never move, {} of them "
-                    "at most, and in an `object` hierarchy at most {} that never move against each other",
-                    kMostCandidates, kMostPrimitivesApart));
-  else if (wholes > 0)
-    notes.add(
-        description.source(),
-        fmt::format("of `--ray-coherence`: {} part{} of more than {} primitives that never move against "
-                    "each other {} listed as {}, in which rays are searched in the usual way",
-                    wholes, wholes == 1 ? "" : "s", kMostPrimitivesApart, wholes == 1 ? "is" : "are",
-                    wholes == 1 ? "a whole" : "wholes"));
-}
-
-/// Options of hierarchies that are not the one that was asked for.
-void add_notes_of_idle_options(const SceneDescription& description, const BuildOptions& options,
-                               Purpose purpose, const Scene& scene, size_t built, const InUse& in_use,
-                               Notes& notes) {
-  const BuildOptions usual;
-  const Hierarchy h = options.hierarchy;
-  if (h != Hierarchy::sah && options.quality != usual.quality)
-    notes.add(description.source(),
-              "a fast or a high build belongs to volumes by the surface area heuristic (`sah`), and changes "
-              "nothing here");
-  if (h != Hierarchy::sah && h != Hierarchy::thesis && h != Hierarchy::adaptive &&
-      options.max_primitives != usual.max_primitives)
-    notes.add(description.source(),
-              "how many primitives a volume holds changes nothing here, as there are no volumes");
-  if (h != Hierarchy::regular && options.cells != usual.cells)
-    notes.add(description.source(),
-              "a number of cells belongs to a `regular` hierarchy, and changes nothing here");
-  if (h != Hierarchy::object && !(options.objects == usual.objects))
-    notes.add(
-        description.source(),
-        "how objects are bounded, clustered and sorted belongs to an `object` hierarchy, and changes nothing "
-        "here");
-  if (h == Hierarchy::object && options.objects.bounds_for == BoundsFor::eye &&
-      (options.objects.bounds != BoundChoice::best || purpose == Purpose::library))
-    notes.add(description.source(),
-              "what the eye sees of bounding volumes changes nothing here: it chooses the `best` of a scene");
-  add_notes_of_idle_bounds(description, options, in_use, notes);
-  if (h != Hierarchy::adaptive && !is_usual_octree(options))
-    notes.add(description.source(),
-              "options of octrees belong to an `adaptive` hierarchy, and change nothing here");
-  if (h == Hierarchy::adaptive && options.octree_data != OctreeData::hash &&
-      options.octree_hash != usual.octree_hash)
-    notes.add(description.source(),
-              "the places of a hash table change nothing here, as pointers lead to the data");
-  if (h != Hierarchy::thesis && !(options.thesis == usual.thesis))
-    notes.add(
-        description.source(),
-        "how volumes are bounded, clipped and centred belongs to a `thesis` hierarchy, and changes nothing "
-        "here");
-  const bool has_octants = h == Hierarchy::thesis && options.thesis.volumes == ThesisVolumes::spheres;
-  if (h != Hierarchy::regular && h != Hierarchy::adaptive && !has_octants && options.has_mailbox)
-    notes.add(
-        description.source(),
-        "a mailbox belongs to cells (`regular`, `adaptive`) and to the spheres of `thesis`, and changes "
-        "nothing here");
-  // Of what is arranged otherwise, part files and structures, nobody knows here how often it is referred to.
-  if (h == Hierarchy::sah && options.quality == BuildQuality::high && description.libraries.empty() &&
-      description.structures.empty() && built > 0 && count_references(scene) == built)
-    notes.add(description.source(),
-              "a high build gains nothing here, and its volumes are those of a fast one: no primitive lies "
-              "so large across "
-              "the others that it pays to divide it among volumes");
-}
 
 CompiledScene compile_scene(const SceneDescription& description, SceneDescription* spent,
                             const BuildOptions& options, Purpose purpose) {
@@ -397,14 +293,8 @@ CompiledScene compile_scene(const SceneDescription& description, SceneDescriptio
   result.objects.assign(tree.objects().begin(), tree.objects().end());
   result.notes = description.notes;
   parts.add_notes(result.notes);
-  add_notes_of_built(description, options, result.notes);
-  add_notes_of_idle_options(description, options, purpose, result.scene, parts.built(), parts.in_use(),
-                            result.notes);
-  add_notes_of_tracing(description, options, purpose, result.scene, result.notes);
-  if (purpose == Purpose::library)
-    add_notes_of_idle(description, result.notes);
-  else
-    add_notes_of_darkness(description, result.scene, places, result.notes);
+  add_notes_of_idle(description, options, purpose, result.scene, parts.built(), parts.in_use(), result.notes);
+  if (purpose == Purpose::pictures) add_notes_of_darkness(description, result.scene, places, result.notes);
   return result;
 }
 

@@ -73,6 +73,7 @@ void Luminaires::add_notes(const SceneDescription& description, Notes& notes) co
                           what, others.count == 1 ? "" : fmt::format(" ({} of them)", others.count), remedy));
   };
   note(quadrics_, "a cone, cylinder or quadric", "make the lamp of polygons, triangles or spheres");
+  note(deforming_, "a mesh that changes its shape", "put other lamps beside it");
   note(polygons_, "a polygon that crosses itself, or has very many corners,", "cut it into several");
 }
 

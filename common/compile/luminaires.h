@@ -22,6 +22,8 @@ class Luminaires {
   /// A polygon that is tested as it is.
   void add_polygon(Luminous luminous, const Polygon& polygon, std::span<const Vec3> points);
   void add_quadric(const Place& place) { count(quadrics_, place); }
+  /// A mesh that changes its shape.
+  void add_deforming(const Place& place) { count(deforming_, place); }
 
   /// What was added since the last call, by id.
   std::vector<Luminous> take();
@@ -45,7 +47,7 @@ class Luminaires {
 
   std::vector<Luminous> luminous_;
   LargeVector<LuminaireTriangle> triangles_;
-  Others quadrics_, polygons_;
+  Others quadrics_, polygons_, deforming_;
 };
 
 }  // namespace rayfarm

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "common/compile/deforming.h"
 #include "common/compile/spectra.h"
 #include "common/errors/input_error.h"
 #include "common/hierarchy/frame_state.h"
@@ -41,15 +42,19 @@ uint32_t add_curve(SceneArrays<GrowingArray>& arrays, const Curve& curve) {
 std::vector<std::vector<FixedObject>> objects_by_parts(const SceneDescription& description, bool is_library) {
   const std::vector<ObjectDescription>& objects = description.objects;
   std::vector<uint32_t> uses(objects.size()), fixed_in(objects.size(), kNone);
-  for (const ObjectDescription& object : objects)
+  std::vector<char> is_deforming;
+  for (const ObjectDescription& object : objects) {
+    is_deforming.push_back(changes_shape(description, object));
     for (const ChildDescription& child : object.children) ++uses[child.object];
+  }
   for (uint32_t i = 0; i < objects.size(); ++i)
     for (const ChildDescription& child : objects[i].children)
       if (child.transform.empty() && !child.visible && uses[child.object] == 1 &&
-          !objects[child.object].built)
+          !objects[child.object].built && !is_deforming[child.object])
         fixed_in[child.object] = i;
   const auto takes_in = [&](uint32_t object) {
-    return objects[object].structure != kNone || (object == description.root && !is_library);
+    return !is_deforming[object] &&
+           (objects[object].structure != kNone || (object == description.root && !is_library));
   };
   std::vector<std::vector<FixedObject>> parts;
   const auto add = [&](uint32_t owner, bool is_with_others) {
@@ -81,6 +86,7 @@ void ObjectTree::expand(const ChildDescription& child, uint32_t parent, Changes 
     arrays_.steps.push_back({static_cast<uint32_t>(step.kind), curve_of(step.curve), step.axis, step.matrix});
     changes.moves = changes.moves || step.curve.is_animated();
   }
+  const uint32_t part = part_of_[child.object];
   if (child.visible) {
     const auto shows = [](const Vec4& value) { return value.x != 0; };
     const std::vector<Vec4>& values = child.visible->values;
@@ -94,9 +100,9 @@ void ObjectTree::expand(const ChildDescription& child, uint32_t parent, Changes 
   const auto index = static_cast<uint32_t>(arrays_.object_nodes.size());
   arrays_.object_nodes.push_back(node);
   objects_.push_back(child.object);
-  if (part_of_[child.object] != kNone) {
-    Instance instance{index, part_of_[child.object]};
-    if (changes.moves || changes.comes_and_goes) {
+  if (part != kNone) {
+    Instance instance{index, part};
+    if (changes.moves || changes.comes_and_goes || part < arrays_.deforming_parts.size()) {
       instance.moving = static_cast<uint32_t>(arrays_.moving_instances.size());
       arrays_.moving_instances.push_back(static_cast<uint32_t>(arrays_.instances.size()));
     }

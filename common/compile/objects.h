@@ -20,8 +20,8 @@ struct FixedObject {
 
 /// The objects by parts: lists of those whose primitives are one part, which moves with the first. Parents
 /// stand before what is in them. In one with the root, or with an object that has a structure, are those that
-/// stand once in it with no transform on the way to them: they never move against each other. `is_library`:
-/// the root is an object as others.
+/// stand once in it with no transform on the way to them: they never move against each other. What changes
+/// its shape stands alone. `is_library`: the root is an object as others.
 std::vector<std::vector<FixedObject>> objects_by_parts(const SceneDescription& description, bool is_library);
 
 /// Expands the graph of objects to a tree (thesis 4.3.2), with an instance of each object's part and its

@@ -11,7 +11,46 @@ namespace {
   throw InputError(scene.source(place), problem);
 }
 
-void check_shape(const SceneDescription& scene, const PrimitiveDescription& primitive) {
+/// How much there is of what meshes change their shape by.
+struct DeformationSizes {
+  size_t influences = 0, deltas = 0;
+};
+
+/// That indices are in range, for whatever loader.
+void check_deformation(const SceneDescription& scene, const Place& at, const MeshShape& mesh,
+                       DeformationSizes& sizes) {
+  const DeformationDescription& d = *mesh.deformation;
+  const size_t vertices = mesh.positions.size();
+  const auto require = [&](bool holds, const char* what) {
+    if (!holds) fail(scene, at, fmt::format("{} of a mesh that changes its shape", what));
+  };
+  require(mesh.normals.empty() || mesh.normals.size() == vertices, "the number of normals");
+  require(mesh.triangle_normals.empty() || mesh.triangle_normals == mesh.triangles, "the corners' normals");
+  if (d.skeleton != kNone) {
+    require(d.skeleton < scene.skeletons.size(), "the skeleton");
+    const SkeletonDescription& skeleton = scene.skeletons[d.skeleton];
+    for (const DeformationDescription::Joint& joint : d.joints)
+      require(joint.bone < skeleton.bones.size(), "a joint");
+  }
+  const size_t joints = d.skeleton == kNone ? 0 : d.joints.size();
+  require(d.influences <= limits::kInfluences / std::max<size_t>(vertices, 1), "the number of influences");
+  sizes.influences += vertices * d.influences;
+  require(sizes.influences <= limits::kInfluences, "the number of influences");
+  require(d.joint_of.size() == vertices * d.influences && d.weights.size() == vertices * d.influences,
+          "the number of influences");
+  for (size_t i = 0; i < d.weights.size(); ++i)
+    require(std::isfinite(d.weights[i]) && d.weights[i] >= 0 && (d.weights[i] == 0 || d.joint_of[i] < joints),
+            "an influence");
+  for (const DeformationDescription::Target& target : d.targets) {
+    sizes.deltas += target.deltas.size();
+    require(sizes.deltas <= limits::kMorphDeltas, "the number of morph targets' vertices");
+    for (const DeformationDescription::Delta& delta : target.deltas)
+      require(delta.vertex < vertices, "a morph target's vertex");
+  }
+}
+
+void check_shape(const SceneDescription& scene, const PrimitiveDescription& primitive,
+                 DeformationSizes& sizes) {
   const Place& at = primitive.place;
   if (primitive.material >= scene.materials.size()) fail(scene, at, "a material that doesn't exist");
   if (const auto* sphere = std::get_if<SphereShape>(&primitive.shape)) {
@@ -30,6 +69,8 @@ void check_shape(const SceneDescription& scene, const PrimitiveDescription& prim
     const auto& c = quadric->coefficients;
     if (std::all_of(c.begin(), c.begin() + 9, [](double v) { return v == 0; }))
       fail(scene, at, "the first nine coefficients of a quadric must not all be 0: that is no surface");
+  } else if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape)) {
+    if (mesh->deformation) check_deformation(scene, at, *mesh, sizes);
   } else if (const auto* polygon = std::get_if<PolygonShape>(&primitive.shape)) {
     if (polygon->points.size() < 3)
       fail(scene, at, fmt::format("a polygon needs at least 3 points, not {}", polygon->points.size()));
@@ -125,11 +166,20 @@ size_t count_instances(const SceneDescription& scene, size_t most) {
 }
 
 void validate(const SceneDescription& scene, const std::stop_token& stop) {
+  size_t bones = 0;
+  for (const SkeletonDescription& skeleton : scene.skeletons) {
+    bones += skeleton.bones.size();
+    if (bones > limits::kBones) fail(scene, skeleton.place, "the scene has too many bones");
+    for (size_t i = 0; i < skeleton.bones.size(); ++i)
+      if (skeleton.bones[i].parent != kNone && skeleton.bones[i].parent >= i)
+        fail(scene, skeleton.place, "a bone that stands before the one that it hangs on");
+  }
   size_t primitives = 0;
+  DeformationSizes sizes;
   for (const ObjectDescription& object : scene.objects) {
     for (const PrimitiveDescription& p : object.primitives) {
       throw_if_stopped(stop);
-      check_shape(scene, p);
+      check_shape(scene, p, sizes);
     }
     primitives += object.primitives.size();
     if (primitives > limits::kPrimitives) fail(scene, object.place, "the scene has too many primitives");

@@ -3,19 +3,13 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "common/scene/animation.h"
-
 namespace rayfarm {
 
 std::vector<Affine> world_transforms(const Scene& scene, double frame) {
   std::vector<Affine> world(scene.object_nodes.size());
   for (size_t i = 0; i < world.size(); ++i) {
     const ObjectNode& node = scene.object_nodes[i];
-    Affine local;
-    for (const TransformStepRecord& step : scene.steps.subspan(node.first_step, node.step_count))
-      local = eval_transform(static_cast<TransformKind>(step.kind), scene.eval(step.curve, frame), step.axis,
-                             step.matrix) *
-              local;
+    const Affine local = scene.eval_steps(node.first_step, node.step_count, frame);
     world[i] = node.parent == kNone ? local : world[node.parent] * local;
   }
   return world;
@@ -59,6 +53,7 @@ LightPlace make_light_place(const LightPlace& in_object, const Affine& world) {
 
 InstancePose make_instance_pose(const Scene& scene, const Instance& instance, const Affine& world) {
   InstancePose pose;
+  pose.is_deformed = instance.part < scene.deforming_parts.size() ? 1 : 0;
   pose.world_from_object = world;
   pose.is_identity = world.is_identity() ? 1 : 0;
   if (!pose.is_identity) {
@@ -100,6 +95,11 @@ void refit(const Scene& scene, std::span<const InstancePose> moving, std::span<V
 
 Pose FrameState::at(double time, double frame) {
   if (scene_.moving_instances.empty() && !has_moving_lights_) return {scene_, {}, scene_.moving_nodes, {}};
+  const bool has_shapes = !scene_.deforming_parts.empty();
+  if (has_shapes) {
+    if (!parts_) parts_ = std::make_unique<DeformedParts>(scene_);
+    parts_->set(time);
+  }
   const std::vector<Affine> world = world_transforms(scene_, time);
   const std::vector<char> visible =
       has_changing_links(scene_) ? visible_nodes(scene_, frame) : std::vector<char>(world.size(), 1);
@@ -107,7 +107,9 @@ Pose FrameState::at(double time, double frame) {
   for (const uint32_t i : scene_.moving_instances) {
     const Instance& instance = scene_.instances[i];
     if (visible[instance.object_node])
-      moving_.push_back(make_instance_pose(scene_, instance, world[instance.object_node]));
+      moving_.push_back(
+          make_instance_pose(instance.part < scene_.deforming_parts.size() ? parts_->shapes() : scene_,
+                             instance, world[instance.object_node]));
     else
       moving_.emplace_back().is_hidden = 1;  // its bounds are empty
   }
@@ -119,7 +121,7 @@ Pose FrameState::at(double time, double frame) {
   }
   moving_nodes_.assign(scene_.moving_nodes.begin(), scene_.moving_nodes.end());
   refit(scene_, moving_, moving_nodes_);
-  return {scene_, moving_, moving_nodes_, light_places_};
+  return {scene_, moving_, moving_nodes_, light_places_, has_shapes ? &parts_->shapes() : nullptr};
 }
 
 }  // namespace rayfarm

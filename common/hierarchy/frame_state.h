@@ -1,9 +1,11 @@
 #pragma once
 // What a frame changes of a scene: where instances stand, and the object part's boxes over them (thesis
-// 4.2.1.1). Parts never change; moving objects cost setting matrices and refitting boxes, never a rebuild.
+// 4.2.1.1). Moving objects cost setting matrices and refitting boxes, never a rebuild; no part changes but
+// those that change their shape (DeformedParts).
+#include <memory>
 #include <vector>
 
-#include "common/scene/scene.h"
+#include "common/hierarchy/deformed_parts.h"
 
 namespace rayfarm {
 
@@ -11,17 +13,23 @@ namespace rayfarm {
 class Pose {
  public:
   Pose(const Scene& scene, std::span<const InstancePose> moving, std::span<const VolumeNode> moving_nodes,
-       std::span<const LightPlace> light_places)
+       std::span<const LightPlace> light_places, const Scene* shapes = nullptr)
       : instances_(scene.moving_instances.empty() ? nullptr : scene.instances.data()),
         fixed_(scene.poses.data()),
         moving_(moving.data()),
         moving_nodes_(moving_nodes.data()),
-        light_places_(light_places.data()) {}
+        light_places_(light_places.data()),
+        shapes_(shapes) {}
 
   const InstancePose& operator[](uint32_t instance) const {
     if (!instances_) return fixed_[instance];
     const uint32_t moving = instances_[instance].moving;
     return moving == kNone ? fixed_[instance] : moving_[moving];
+  }
+  /// Where the primitives of an instance's part stand, and its volumes: in `scene`, or in what the frame made
+  /// of them.
+  const Scene& shape_of(uint32_t instance, const Scene& scene) const {
+    return shapes_ && (*this)[instance].is_deformed ? *shapes_ : scene;
   }
   /// The boxes over the instances that move.
   const VolumeNode* moving_nodes() const { return moving_nodes_; }
@@ -35,6 +43,7 @@ class Pose {
   const InstancePose *fixed_, *moving_;
   const VolumeNode* moving_nodes_;
   const LightPlace* light_places_;  ///< of the objects' lights
+  const Scene* shapes_;             ///< of the parts that change theirs; null if none does
 };
 
 /// The world transform of every object node at `frame`, in the tree's order.
@@ -76,6 +85,7 @@ class FrameState {
  private:
   Scene scene_;
   bool has_moving_lights_;
+  std::unique_ptr<DeformedParts> parts_;  ///< null if none changes its shape
   std::vector<InstancePose> moving_;
   LargeVector<VolumeNode> moving_nodes_;
   std::vector<LightPlace> light_places_;

@@ -119,7 +119,7 @@ class ItemMap::Painter {
  private:
   void draw_instance(uint32_t instance) {
     if (pose_[instance].is_hidden) return;
-    const Part& part = scene_.parts[scene_.instances[instance].part];
+    const Part& part = pose_.shape_of(instance, scene_).parts[scene_.instances[instance].part];
     if (part.collection.structure == Structure::object) {
       draw_objects(scene_.bounding_trees[part.collection.tree].root, instance);
       return;
@@ -168,7 +168,7 @@ class ItemMap::Painter {
   }
 
   void draw_triangles(uint32_t index, uint32_t instance, const Item& item) {
-    const TriangleBlock& block = scene_.triangle_blocks[index];
+    const TriangleBlock& block = pose_.shape_of(instance, scene_).triangle_blocks[index];
     for (uint32_t lane = 0; lane < 8; ++lane) {
       if (block.primitives[lane] == kNoPrimitive) continue;
       std::array<Vec3, 3> corners;

@@ -10,6 +10,7 @@
 
 #include "common/hierarchy/collections-inl.h"
 #include "common/hierarchy/items.h"
+#include "common/hierarchy/scene_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -30,8 +31,12 @@ template <typename Search>
 bool search_item(const Scene& scene, const Pose& pose, const Item& item, const PreparedRay& world,
                  Search& search) {
   const InstancePose& place = pose[item.instance];
-  if (place.is_identity) return search_item_in_object(scene, item, world, search);
-  return search_item_in_object(scene, item, PreparedRay(world, place.object_from_world), search);
+  const auto search_in = [&](const Scene& shapes) HWY_ATTR {
+    if (place.is_identity) return search_item_in_object(shapes, item, world, search);
+    return search_item_in_object(shapes, item, PreparedRay(world, place.object_from_world), search);
+  };
+  if (HWY_LIKELY(!place.is_deformed)) return search_in(scene);
+  return walk_shapes(scene, pose, item.instance, search, search_in);
 }
 
 }  // namespace HWY_NAMESPACE

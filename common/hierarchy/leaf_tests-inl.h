@@ -47,6 +47,8 @@ class ClosestHit {
   ClosestHit() = default;
   /// `hit.t` bounds the search.
   ClosestHit(const Scene& scene, Hit& hit) : scene_(&scene), hit_(&hit), t_far_(widened(hit.t)) {}
+  /// Where the primitives stand that are tested from now on.
+  void look_in(const Scene& scene) { scene_ = &scene; }
   /// Boxes behind this distance need no visit.
   float t_far() const { return t_far_; }
   static bool is_over() { return false; }
@@ -188,6 +190,7 @@ class AnyHit {
   static constexpr bool kCounts = false;
   AnyHit() = default;
   AnyHit(const Scene& scene, double t_max) : scene_(&scene), t_max_(t_max), t_far_(widened(t_max)) {}
+  void look_in(const Scene& scene) { scene_ = &scene; }
   float t_far() const { return t_far_; }
   bool is_over() const { return is_over_; }
   /// Of what was hit.

@@ -11,6 +11,7 @@
 
 #include "common/hierarchy/collections-inl.h"
 #include "common/hierarchy/ray_memory.h"
+#include "common/hierarchy/scene_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayfarm {
@@ -18,12 +19,19 @@ namespace HWY_NAMESPACE {
 
 /// Tests one primitive with a ray in the world. True: the search is over.
 template <typename Search>
-HWY_NOINLINE bool test_place(const Pose& pose, const HitPlace& place, const PreparedRay& ray,
-                             Search& search) {
+HWY_NOINLINE bool test_place(const Scene& scene, const Pose& pose, const HitPlace& place,
+                             const PreparedRay& ray, Search& search) {
   const InstancePose& instance = pose[place.instance];
   if (instance.is_hidden) return false;
-  if (instance.is_identity) return search.test(place.place, ray, place.instance);
-  return search.test(place.place, PreparedRay(ray, instance.object_from_world), place.instance);
+  const auto test = [&]() HWY_ATTR {
+    if (instance.is_identity) return search.test(place.place, ray, place.instance);
+    return search.test(place.place, PreparedRay(ray, instance.object_from_world), place.instance);
+  };
+  if (HWY_LIKELY(!instance.is_deformed)) return test();
+  return walk_shapes(scene, pose, place.instance, search, [&](const Scene& shapes) HWY_ATTR {
+    // What is remembered of another frame may not be there.
+    return place.place.place() / 8 < shapes.triangle_blocks.size() && test();
+  });
 }
 
 /// Searches the part of an instance that never moves.
@@ -63,7 +71,7 @@ HWY_NOINLINE bool search_candidates(const Scene& scene, const Pose& pose, const 
     if constexpr (Search::kCounts) search.count_candidate();
     const Candidate& candidate = coherence[listed.candidate];
     if (candidate.is_whole ? search_whole(scene, pose, candidate.place.instance, ray, search)
-                           : test_place(pose, candidate.place, ray, search))
+                           : test_place(scene, pose, candidate.place, ray, search))
       return true;
   }
   search_moving(scene, pose, ray, search);
@@ -83,7 +91,7 @@ HWY_NOINLINE bool begin_search(const Scene& scene, const Pose& pose, const Prepa
   const HitPlace& last = last_of<Search>(memory);
   if (scene.head().has_last_hit != 0 && last.instance != kNone) {
     if constexpr (Search::kCounts) search.count_last_hit_test();
-    test_place(pose, last, ray, search);
+    test_place(scene, pose, last, ray, search);
     if (search.is_over()) return true;
     // What is hit first is found again, and only looked for as far as this: so the answer is the same to the
     // last bit, whatever was tested before.

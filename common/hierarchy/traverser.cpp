@@ -89,7 +89,9 @@ Hit find_closest_brute_force(const Scene& scene, const Pose& pose, const Ray& ra
     const InstancePose& place = pose[i];
     if (place.is_hidden) continue;
     const PreparedRay local = place.is_identity ? world : PreparedRay(world, place.object_from_world);
-    test_all(scene, scene.parts[scene.instances[i].part], i, local, search);
+    const Scene& shapes = pose.shape_of(i, scene);
+    search.look_in(shapes);
+    test_all(shapes, shapes.parts[scene.instances[i].part], i, local, search);
   }
   search.finish();
   return hit;

@@ -22,6 +22,11 @@ class Counting : public Search {
   Counting(WalkCounts& counts, const Scene& scene, Arguments&&... arguments)
       : Search(scene, arguments...), counts_(&counts), scene_(&scene) {}
 
+  void look_in(const Scene& scene) {
+    Search::look_in(scene);
+    scene_ = &scene;
+  }
+
   void count(const VolumeNode& node) {
     ++counts_->nodes;
     for (const ChildRef& child : node.children) counts_->boxes += child.kind() != ChildKind::empty;

@@ -52,6 +52,7 @@ Vec3 mapped_normal(const Scene& scene, const PrincipledSource& source, const Sur
 SurfacePatch patch_at(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit, double width,
                       const Surface& surface) {
   const InstancePose& place = pose[hit.instance];
+  const Scene& shapes = pose.shape_of(hit.instance, scene);
   const Vec3 p_world = ray.origin + hit.t * ray.direction;
   const Vec3 p = place.in_object(p_world);
   const Frame frame(surface.geometric_normal);
@@ -69,15 +70,15 @@ SurfacePatch patch_at(const Scene& scene, const Pose& pose, const Ray& ray, cons
   patch.p = p;
   patch.width = per_step * std::max(glm::length(patch.dp_x), glm::length(patch.dp_y));
   const auto coordinates = [&](auto parameters) {
-    const Vec2 uv = parameters(scene, hit, p);
+    const Vec2 uv = parameters(shapes, hit, p);
     const auto wrapped = [](const Vec2& d) { return d - glm::round(d); };  // longitude jumps from 1 to 0
-    const Vec2 duv_x = wrapped(parameters(scene, hit, p + patch.dp_x) - uv),
-               duv_y = wrapped(parameters(scene, hit, p + patch.dp_y) - uv);
+    const Vec2 duv_x = wrapped(parameters(shapes, hit, p + patch.dp_x) - uv),
+               duv_y = wrapped(parameters(shapes, hit, p + patch.dp_y) - uv);
     return PatchCoordinates{uv, duv_x, duv_y, per_step * std::max(glm::length(duv_x), glm::length(duv_y))};
   };
   patch.sets[0] = coordinates(surface_parameters);
   patch.sets[1] = scene.second_uvs.empty() ? patch.sets[0] : coordinates(second_parameters);
-  patch.color = vertex_color(scene, hit, p);
+  patch.color = vertex_color(shapes, hit, p);
   return patch;
 }
 

@@ -126,18 +126,19 @@ double magnitude_in_world(const InstancePose& place, double local) {
 
 Surface eval_surface(const Scene& scene, const Pose& pose, const Ray& ray, const Hit& hit) {
   const InstancePose& place = pose[hit.instance];
+  const Scene& shapes = pose.shape_of(hit.instance, scene);
   Surface surface;
   surface.p = ray.origin + hit.t * ray.direction;
   double magnitude =
       std::max({max_magnitude(surface.p), max_magnitude(ray.origin), hit.t * max_magnitude(ray.direction)});
   LocalSurface local;
   if (place.is_identity) {
-    local = eval_local(scene, hit, surface.p);
+    local = eval_local(shapes, hit, surface.p);
     magnitude = std::max(magnitude, local.magnitude);
     surface.geometric_normal = local.geometric_normal;
     surface.shading_normal = local.shading_normal;
   } else {
-    local = eval_local(scene, hit, place.object_from_world.point(surface.p));
+    local = eval_local(shapes, hit, place.object_from_world.point(surface.p));
     magnitude = std::max(magnitude, magnitude_in_world(place, local.magnitude));
     surface.geometric_normal = normalized(place.object_from_world.normal_by_inverse(local.geometric_normal));
     surface.shading_normal = normalized(place.object_from_world.normal_by_inverse(local.shading_normal));

@@ -36,7 +36,8 @@ struct Surface {
   }
 };
 
-/// The vertices of the triangle that was hit, in its object's space.
+/// The vertices of the triangle that was hit, in its object's space. `scene`: where the part's shape stands
+/// (Pose::shape_of).
 std::array<Vec3, 3> triangle_vertices(const Scene& scene, uint32_t block_lane);
 
 /// What a material is asked about. A shading normal that faces away, at a silhouette, has no mirror

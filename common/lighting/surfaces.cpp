@@ -212,7 +212,8 @@ uint32_t eval_surfaces(const Scene& scene, const Pose& pose, const RayPacket& ra
   for (size_t i = 0; i < rays.size; ++i) {
     if (!hits[i].is_hit()) continue;
     met |= 1u << i;
-    if (!read_primitive(scene, hits[i], i > 0 ? &hits[i - 1] : nullptr, i, in, surfaces)) {
+    if (!read_primitive(pose.shape_of(hits[i].instance, scene), hits[i], i > 0 ? &hits[i - 1] : nullptr, i,
+                        in, surfaces)) {
       others |= 1u << i;
       continue;
     }

@@ -12,6 +12,7 @@
 #include "common/math/affine.h"
 #include "common/memory/large_vector.h"
 #include "common/scene/animation.h"
+#include "common/scene/deformation.h"
 #include "common/scene/goniometry.h"
 #include "common/scene/hierarchy_records.h"
 #include "common/scene/light.h"
@@ -110,7 +111,8 @@ struct InstancePose {
   Affine object_from_world;
   Box bounds;  ///< in the world
   uint32_t is_identity = 0;
-  uint32_t is_hidden = 0;  ///< 1: the frame is without it
+  uint16_t is_hidden = 0;    ///< 1: the frame is without it
+  uint16_t is_deformed = 0;  ///< 1: its part is what the frame makes of it, Pose::shapes
 
   /// Of a point of the world.
   Vec3 in_object(const Vec3& p_world) const {
@@ -184,7 +186,18 @@ struct Scene : SceneArrays<ArrayView> {
   std::span<const SpectrumNode> spectrum_of(const SpectralColor& c) const {
     return spectrum_nodes.subspan(c.first_node, c.node_count);
   }
+  /// The deltas and joints of a vertex that changes its place.
+  std::span<const MorphDelta> deltas_of(uint32_t vertex) const {
+    const uint32_t first = deforming_vertices[vertex].first_delta;
+    return morph_deltas.subspan(first, deforming_vertices[vertex + 1].first_delta - first);
+  }
+  std::span<const JointWeight> joints_of(uint32_t vertex) const {
+    const uint32_t first = deforming_vertices[vertex].first_influence;
+    return joint_weights.subspan(first, deforming_vertices[vertex + 1].first_influence - first);
+  }
   Vec4 eval(uint32_t curve, double frame) const;
+  /// A transform of several steps.
+  Affine eval_steps(uint32_t first, uint32_t count, double frame) const;
 };
 
 /// Calls visit(name, array) for every array in the block's order.

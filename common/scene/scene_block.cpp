@@ -98,6 +98,15 @@ Vec4 Scene::eval(uint32_t curve, double frame) const {
                     key_values.subspan(c.first_value, c.value_count()), frame);
 }
 
+Affine Scene::eval_steps(uint32_t first, uint32_t count, double frame) const {
+  Affine all;
+  for (const TransformStepRecord& step : steps.subspan(first, count))
+    all = eval_transform(static_cast<TransformKind>(step.kind), eval(step.curve, frame), step.axis,
+                         step.matrix) *
+          all;
+  return all;
+}
+
 SceneBlock encode_scene(const Scene& scene) {
   return encode(scene, [](std::byte* to, const auto& array) {
     if (!array.empty()) std::memcpy(to, array.data(), array.size_bytes());

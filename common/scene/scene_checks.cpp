@@ -5,6 +5,7 @@
 #include "common/materials/presets.h"
 #include "common/scene/animation.h"
 #include "common/scene/check_tools.h"
+#include "common/scene/deformation_checks.h"
 #include "common/scene/hierarchy_checks.h"
 #include "common/shapes/polygon.h"
 
@@ -254,7 +255,18 @@ void check_motion(const Scene& s) {
     if (node.visible != kNone) curve(node.visible);
     steps.take(node.first_step, node.step_count);
   }
+  for (size_t i = 0; i < s.bones.size(); ++i) {
+    require(s.bones[i].parent == kNone || s.bones[i].parent < i, "a bone's parent");
+    steps.take(s.bones[i].first_step, s.bones[i].step_count);
+  }
+  for (const uint32_t weight : s.morph_weights) curve(weight);
   require(s.poses.size() == s.instances.size(), "the poses");
+  for (size_t i = 0; i < s.poses.size(); ++i) {
+    const bool is_deformed = s.instances[i].part < s.deforming_parts.size();
+    require(
+        s.poses[i].is_deformed == (is_deformed ? 1 : 0) && (!is_deformed || s.instances[i].moving != kNone),
+        "an instance of what changes its shape");
+  }
   for (const Instance& i : s.instances)
     require(i.object_node < s.object_nodes.size() && i.part < s.parts.size() &&
                 (i.moving == kNone || i.moving < s.moving_instances.size()),
@@ -287,6 +299,7 @@ void check_scene(const Scene& scene) {
   check_hierarchy(scene);
   check_leaves(scene);
   check_primitives(scene);
+  check_deformation(scene);
   check_materials(scene);
   check_spectra(scene);
   check_lights(scene);

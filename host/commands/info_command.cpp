@@ -73,6 +73,17 @@ void print_references(const Scene& scene) {
              static_cast<double>(count) / static_cast<double>(references.size()));
 }
 
+/// What frames make of meshes that change their shape.
+void print_shapes(const Scene& scene) {
+  if (scene.deforming_parts.empty()) return;
+  fmt::print(
+      "  parts that change their shape {}: triangles {}, vertices {}, bones {}, morph targets {}; a process "
+      "holds "
+      "{} of them for a frame\n",
+      scene.deforming_parts.size(), scene.deforming_triangles.size(), scene.deforming_vertices.size() - 1,
+      scene.bones.size(), scene.morph_weights.size(), megabytes(deformed_bytes(scene)));
+}
+
 /// What cells weigh as the thesis counts it.
 void print_cells(const Scene& scene) {
   const GridStorage grids = storage_of_grids(scene);
@@ -150,6 +161,7 @@ int print_info(const std::string& path, const BuildOptions& build, const ZoneSet
              copies.quadrics);
   fmt::print("  parts {}, instances {}, object nodes {}, lights {}, materials {}\n", s.parts.size(),
              s.instances.size(), s.object_nodes.size(), s.lights.size(), s.materials.size());
+  print_shapes(s);
   print_media(s);
   print_references(s);
   if (s.head().object_tree != kNone) {
@@ -162,8 +174,9 @@ int print_info(const std::string& path, const BuildOptions& build, const ZoneSet
     return s.curves[step.curve].key_count > 1;
   });
   if (scene.frames)
-    fmt::print("  frames {} to {}{}{}\n", (*scene.frames)[0], (*scene.frames)[1],
-               moves ? ", objects move" : "", has_changing_links(s) ? ", objects come and go" : "");
+    fmt::print("  frames {} to {}{}{}{}\n", (*scene.frames)[0], (*scene.frames)[1],
+               moves ? ", objects move" : "", s.deforming_parts.empty() ? "" : ", shapes change",
+               has_changing_links(s) ? ", objects come and go" : "");
   Box box;
   for (const InstancePose& pose : s.poses)
     if (!pose.is_hidden) box.grow(pose.bounds);

@@ -1,5 +1,6 @@
 // What a new frame costs before its first ray: the poses of moving objects, the links to those that come and
-// go, and the refit of the boxes over them (thesis, Table 4.6: "Obj/Vol Update").
+// go, and the refit of the boxes over them (thesis, Table 4.6: "Obj/Vol Update"); of meshes that change their
+// shape their vertices, and their volumes refitted or built anew.
 #include <benchmark/benchmark.h>
 
 #include <random>
@@ -7,6 +8,7 @@
 #include "common/compile/compile.h"
 #include "common/hierarchy/frame_state.h"
 #include "common/lighting/frame_lights.h"
+#include "tests/deforming_scene.h"
 
 namespace {
 
@@ -67,6 +69,51 @@ void links_frame(benchmark::State& state) {
   }
 }
 BENCHMARK(links_frame)->Arg(10)->Arg(1000)->Arg(100000)->Unit(benchmark::kMicrosecond);
+
+/// A bending tube of so many vertices, and twice as many triangles.
+CompiledScene make_skinned(int64_t vertices) {
+  return compile(test::make_bending_tube(static_cast<uint32_t>(vertices / 100), 100));
+}
+
+void skin_vertices(benchmark::State& state) {
+  const CompiledScene compiled = make_skinned(state.range(0));
+  DeformedVertices vertices;
+  double frame = 0;
+  for (auto _ : state) {
+    deform(compiled.scene, frame, vertices);
+    benchmark::DoNotOptimize(vertices.positions.data());
+    frame = frame < 10 ? frame + 0.5 : 0;
+  }
+}
+BENCHMARK(skin_vertices)->Arg(1000)->Arg(100000)->Unit(benchmark::kMillisecond);
+
+/// With the vertices.
+void refit_shape(benchmark::State& state) {
+  const CompiledScene compiled = make_skinned(state.range(0));
+  DeformedParts parts(compiled.scene);
+  double frame = 0;
+  for (auto _ : state) {
+    parts.set(frame);
+    frame = frame < 10 ? frame + 0.5 : 0;
+  }
+  state.counters["bytes"] = static_cast<double>(deformed_bytes(compiled.scene));
+  state.counters["builds"] = static_cast<double>(parts.builds());
+}
+BENCHMARK(refit_shape)->Arg(1000)->Arg(100000)->Unit(benchmark::kMillisecond);
+
+/// Without.
+void build_shape(benchmark::State& state) {
+  const CompiledScene compiled = make_skinned(state.range(0));
+  DeformedVertices vertices;
+  deform(compiled.scene, 5, vertices);
+  for (auto _ : state) {
+    LargeVector<VolumeNode> nodes;
+    LargeVector<TriangleBlock> blocks;
+    DeformingPart shape = compiled.scene.deforming_parts[0];
+    benchmark::DoNotOptimize(build_deformed_part(compiled.scene, vertices, {}, shape, {nodes, blocks}));
+  }
+}
+BENCHMARK(build_shape)->Arg(1000)->Arg(100000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

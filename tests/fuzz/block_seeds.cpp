@@ -6,6 +6,7 @@
 
 #include "common/compile/compile.h"
 #include "common/description/formats/scene_loaders.h"
+#include "tests/deforming_scene.h"
 
 namespace rayfarm::fuzz {
 namespace {
@@ -47,6 +48,8 @@ std::vector<std::string> block_seeds() {
         load_scene(fmt::format("{}/tests/golden/scenes/{}.yaml", RAYFARM_SOURCE, scene));
     for (const BuildOptions& build : builds) seeds.push_back(text_of(compile(description, build)));
   }
+  for (const SceneDescription& description : {test::make_bulging_tube(5, 6), test::make_scrambled(5, 6)})
+    seeds.push_back(text_of(compile(description)));
   return seeds;
 }
 

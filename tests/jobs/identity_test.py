@@ -41,6 +41,24 @@ class Identity(JobTest):
                 found = self.render(1 + 2 * ((i + k) % 2), scene, *tiny, "--hierarchy", *chosen)["image"]["sha256_pixels"]
                 self.assertEqual(found, expected, f"{scene} {chosen}")
 
+    def test_meshes_that_change_their_shape(self):
+        # Skins, morph targets, textures; each node computes vertices and volumes by itself, and has seen other frames before.
+        for name, frames in (("SimpleSkin.gltf", "0-60x20"), ("Fox.glb", "0-20x7"), ("AnimatedMorphCube/AnimatedMorphCube.gltf", "0-100x33")):
+            model = self.asset(f"gltf/{name}")
+            found = {}
+            for ranks in (1, 3, 8):
+                for assign in ("on-demand", "interleaved"):
+                    folder = self.folder / f"{ranks}-{assign}"
+                    folder.mkdir(exist_ok=True)
+                    result = self.run_farm(ranks, "render", model, "-o", folder / "####.png", "--frames", frames, "--size", "64x48", "--samples", "4",
+                                           "--lighting", "path", "--assign", assign, "--shutter", "0.5", "-q")
+                    self.assertEqual(result.code, 0, result.stderr)
+                    found[(ranks, assign)] = [png.read_bytes() for png in sorted(folder.glob("*.png"))]
+            pictures = list(found.values())
+            self.assertTrue(all(p == pictures[0] for p in pictures), name)
+            self.assertEqual(len(pictures[0]), 4)
+            self.assertEqual(len(set(pictures[0])), 4, f"{name}: all frames differ")
+
     def test_corner_sampling_and_its_counts(self):
         # Thesis 3.4.1: corners are shared by neighbours, and so by subpolygons; each counts once.
         for primary, *arguments in ((161 * 121,), (161 * 121, "--subpixels", "1x1"), (321 * 361, "--subpixels", "2x3", "--lighting", "thesis")):

@@ -22,6 +22,15 @@ class Node(JobTestAlone):
         self.assertGreater(min(held), 0)
         self.assertLess(max(held), MOST_PRIVATE_KB)
 
+    def test_holds_little_of_what_changes_its_shape(self):
+        model = self.asset("gltf/Fox.glb")
+        job = Job(4, "render", model, "-o", self.folder / "m.####.png", "--frames", "0-3", "--progress", "none", "-v",
+                  "--size", "640x480", "--samples", "16", "--shutter", "0.5")
+        job.wait_until_it_says("tracing begins")
+        held = [private_kb(job.pid_of_rank(rank)) for rank in (1, 2, 3)]
+        self.assertEqual(job.wait().code, 0)
+        self.assertLess(max(held), MOST_PRIVATE_KB)
+
 
 if __name__ == "__main__":
     main()

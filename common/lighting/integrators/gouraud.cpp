@@ -70,7 +70,7 @@ void add_gouraud_light(const FrameContext& context, const Highlights& highlights
                        size_t i, RayCounts& counts) {
   const Hit& hit = surfaces.hits[i];
   const InstancePose& place = context.pose[hit.instance];
-  visit_corners(context.scene, hit,
+  visit_corners(context.pose.shape_of(hit.instance, context.scene), hit,
                 [&](std::span<const Vec3> points, std::span<const Vec3> normals, const Vec3& plane_normal) {
                   Gathered<Color> diffuse(points.size()), specular(points.size());
                   for (size_t begin = 0; begin < points.size(); begin += kMostPacketRays) {

@@ -105,7 +105,8 @@ void ZoneMap::find_primitives(const ZoneSettings& settings) {
   for (uint32_t i = 0; i < scene_.instances.size(); ++i) {
     if (pose_[i].is_hidden) continue;
     const PartTable& table = parts_[scene_.instances[i].part];
-    for_each_named(scene_, scene_.parts[scene_.instances[i].part], [&](PrimitiveId id, uint32_t block_lane) {
+    const Scene& shapes = pose_.shape_of(i, scene_);
+    for_each_named(shapes, shapes.parts[scene_.instances[i].part], [&](PrimitiveId id, uint32_t block_lane) {
       ZoneGrid& grid =
           grids_[first_grid_[i] + table.first[kind_of(id)] + id.index() - table.least[kind_of(id)]];
       if (grid.primitive != kNoPrimitive && grid.block_lane <= block_lane) return;
@@ -125,7 +126,8 @@ double ZoneMap::find_size() const {
     const InstancePose& place = pose_[grid.instance];
     switch (grid.primitive.kind()) {
       case PrimitiveKind::triangle: {
-        const std::array<Vec3, 3> v = triangle_vertices(scene_, grid.block_lane);
+        const std::array<Vec3, 3> v =
+            triangle_vertices(pose_.shape_of(grid.instance, scene_), grid.block_lane);
         const Vec3 n = glm::cross(v[1] - v[0], v[2] - v[0]);
         area += 0.5 * glm::length(n) * area_scale(place, normalized(n));
         break;
@@ -207,7 +209,7 @@ void ZoneMap::make_cells(bool has_directions) {
 
 void ZoneMap::make_triangle(ZoneGrid& grid) {
   const InstancePose& place = pose_[grid.instance];
-  const std::array<Vec3, 3> v = triangle_vertices(scene_, grid.block_lane);
+  const std::array<Vec3, 3> v = triangle_vertices(pose_.shape_of(grid.instance, scene_), grid.block_lane);
   double longest = 0;
   for (size_t i = 0; i < 3; ++i) {
     const Vec3 edge = v[(i + 1) % 3] - v[i];

@@ -112,7 +112,7 @@ class ZoneMap {
 
   // The cells of a grid, by its shape.
   TriangleCells triangle_cells(const ZoneGrid& grid) const {
-    return {triangle_vertices(scene_, grid.block_lane), grid.record};
+    return {triangle_vertices(pose_.shape_of(grid.instance, scene_), grid.block_lane), grid.record};
   }
   const PlaneCells& plane_cells(const ZoneGrid& grid) const { return planes_[grid.record]; }
   const RevolvedCells& revolved_cells(const ZoneGrid& grid) const { return revolved_[grid.record]; }

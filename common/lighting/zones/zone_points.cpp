@@ -86,7 +86,7 @@ ZoneMap::Corner ZoneMap::corner(const ZoneGrid& grid, uint32_t corner) const {
 Vec3 ZoneMap::tangent(const InstancePose& place, const ZoneGrid& grid, const Vec3& p_object) const {
   Vec3 along(1, 0, 0);
   if (grid.shape == ZoneShape::triangle) {
-    const std::array<Vec3, 3> v = triangle_vertices(scene_, grid.block_lane);
+    const std::array<Vec3, 3> v = triangle_vertices(pose_.shape_of(grid.instance, scene_), grid.block_lane);
     along = v[1] - v[0];
   } else if (grid.shape == ZoneShape::plane) {
     along = planes_[grid.record].x;
