@@ -11,7 +11,8 @@ struct LoadOptions {
   std::stop_token stop{};            ///< loaders throw Stopped soon after it is requested
   ReadProgress* progress = nullptr;  ///< counts what is read; may be null
   double fps = 24;                   ///< frames in a second of clips that are timed in seconds
-  std::string clip{};  ///< of files that hold several: a name or a number from 0; empty: the first
+  std::string clip{};    ///< of files that hold several: a name or a number from 0; empty: the first
+  std::string camera{};  ///< the same, of cameras
 };
 
 }  // namespace rayfarm

@@ -23,6 +23,7 @@
 #include "common/scene/participating_medium.h"
 #include "common/scene/scene_block.h"
 #include "common/scene/spectral_color.h"
+#include "common/shapes/bilinear_patch.h"
 #include "common/shapes/polygon.h"
 #include "common/textures/texture.h"
 
@@ -32,10 +33,13 @@ namespace rayfarm {
 namespace limits {
 inline constexpr uintmax_t kFileBytes = 4ull << 30;  ///< OBJ and NFF
 inline constexpr uintmax_t kYamlFileBytes = 256ull << 20;
-inline constexpr size_t kNestingDepth = 64;  ///< objects inside objects
+inline constexpr size_t kNestingDepth = 64;  ///< objects inside objects in YAML
+inline constexpr size_t kObjectDepth =
+    1000;  ///< in all formats: the tree is walked by functions that call themselves
 inline constexpr size_t kObjects = 1'000'000;
 inline constexpr size_t kPrimitives = 400'000'000;
-inline constexpr size_t kSolidFaces = 250'000;         ///< of a lathe
+inline constexpr size_t kSolidFaces = 250'000;  ///< of a lathe
+inline constexpr size_t kBezierTriangles = 50'000'000;
 inline constexpr size_t kFaceCorners = 2'000'000'000;  ///< of meshes
 inline constexpr size_t kPolygonPoints = 1'000'000;
 inline constexpr size_t kQuadricPlanes = 16;
@@ -130,6 +134,10 @@ struct QuadricShape {
   std::array<double, 10> coefficients{};
   std::vector<Vec4> planes;  ///< (n, d)
 };
+/// A bilinear patch whose corners do not lie in a plane.
+struct PatchShape {
+  PatchCorners corners{};
+};
 struct PolygonShape {
   std::vector<Vec3> points;   ///< coplanar; counter-clockwise seen from the front
   std::vector<Vec3> normals;  ///< empty, or one per point
@@ -192,7 +200,7 @@ struct MeshShape {
   /// space. Objects with such a mesh have no primitives of other kinds.
   std::shared_ptr<const DeformationDescription> deformation;
 };
-using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PolygonShape, MeshShape>;
+using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PatchShape, PolygonShape, MeshShape>;
 
 struct PrimitiveDescription {
   Shape shape;

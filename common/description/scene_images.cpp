@@ -8,15 +8,15 @@ uint64_t texels_left(const SceneDescription& scene) {
   return limits::kTexels - std::min(limits::kTexels, used);
 }
 
-void load_scene_image(SceneDescription& scene, const std::string& path, TextureDescription& texture,
+void load_scene_image(SceneDescription& scene, const ImageFile& file, TextureDescription& texture,
                       const std::stop_token& stop, const ImageReading& reading) {
   // A mip map takes at most half as many texels again, in the worst case of an image one pixel wide as many.
   texture.kind = TextureKind::image;
   texture.is_mapped = 1;
   texture.texels =
-      load_texels(path, texture, std::min(limits::kTexturePixels, texels_left(scene) / 2), stop, reading);
-  texture.is_from_srgb = !is_linear(path, reading);
-  scene.files.push_back(path);
+      load_texels(file, texture, std::min(limits::kTexturePixels, texels_left(scene) / 2), stop, reading);
+  texture.is_from_srgb = !is_linear(file.name, reading);
+  if (!file.bytes) scene.files.push_back(file.name);
 }
 
 }  // namespace rayfarm

@@ -69,6 +69,9 @@ void check_shape(const SceneDescription& scene, const PrimitiveDescription& prim
     const auto& c = quadric->coefficients;
     if (std::all_of(c.begin(), c.begin() + 9, [](double v) { return v == 0; }))
       fail(scene, at, "the first nine coefficients of a quadric must not all be 0: that is no surface");
+  } else if (const auto* patch = std::get_if<PatchShape>(&primitive.shape)) {
+    if (is_planar(patch->corners))
+      fail(scene, at, "the corners of a patch lie in a plane; make it a polygon");
   } else if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape)) {
     if (mesh->deformation) check_deformation(scene, at, *mesh, sizes);
   } else if (const auto* polygon = std::get_if<PolygonShape>(&primitive.shape)) {
@@ -120,9 +123,9 @@ void check_cycles_and_depth(const SceneDescription& scene) {
         stack.pop_back();
         if (!stack.empty())
           height[stack.back().object] = std::max(height[stack.back().object], height[finished] + 1);
-        if (height[finished] > limits::kNestingDepth)
+        if (height[finished] > limits::kObjectDepth)
           fail(scene, object.place,
-               fmt::format("objects are nested more than {} deep", limits::kNestingDepth));
+               fmt::format("objects are nested more than {} deep", limits::kObjectDepth));
         continue;
       }
       const ChildDescription& child = object.children[frame.next_child++];

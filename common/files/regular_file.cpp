@@ -1,6 +1,7 @@
 #include "common/files/regular_file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -35,6 +36,23 @@ RegularFile open_regular_file(const std::string& path) {
   if (S_ISDIR(status.st_mode)) fail("is a folder; a file is needed");
   if (!S_ISREG(status.st_mode)) fail(irregular);
   opened.size_bytes = static_cast<uintmax_t>(status.st_size);
+  return opened;
+}
+
+RegularFile open_bytes(std::span<const std::byte> bytes) {
+  const auto fail = [] {
+    throw IoError(fmt::format("no room for a file in memory: {}", std::strerror(errno)));
+  };
+  const int descriptor = memfd_create("rayfarm", MFD_CLOEXEC);
+  if (descriptor < 0) fail();
+  RegularFile opened{OpenFile(fdopen(descriptor, "w+b")), bytes.size()};
+  if (!opened.file) {
+    close(descriptor);
+    fail();
+  }
+  if (std::fwrite(bytes.data(), 1, bytes.size(), opened.file.get()) != bytes.size() ||
+      std::fflush(opened.file.get()) != 0 || std::fseek(opened.file.get(), 0, SEEK_SET) != 0)
+    fail();
   return opened;
 }
 

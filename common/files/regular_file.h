@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 
 namespace rayfarm {
@@ -20,5 +21,8 @@ struct RegularFile {
 
 /// Opens for reading. Throws IoError: there is no such file, it may not be read, or it is no regular file.
 RegularFile open_regular_file(const std::string& path);
+
+/// A file without a name that holds these bytes, for readers that want a descriptor. Throws IoError.
+RegularFile open_bytes(std::span<const std::byte> bytes);
 
 }  // namespace rayfarm

@@ -96,9 +96,9 @@ void check_image_whole(const std::string& path) {
   with_image(path, check_png, check_exr);
 }
 
-ImageReader::ImageReader(const std::string& path, uint64_t most_pixels, ImagePart part)
-    : path_(path), opened_(open_regular_file(path)) {
-  OpenedImage image = load_reader()(fileno(opened_.file.get()), path, most_pixels, part);
+ImageReader::ImageReader(const ImageFile& file, uint64_t most_pixels, ImagePart part)
+    : path_(file.name), opened_(file.bytes ? open_bytes(*file.bytes) : open_regular_file(file.name)) {
+  OpenedImage image = load_reader()(fileno(opened_.file.get()), path_, most_pixels, part);
   if (!image.source) fail(image.problem);
   source_ = std::move(image.source);
   if (width_px() <= 0 || height_px() <= 0)

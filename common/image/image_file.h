@@ -28,13 +28,24 @@ ImageInfo read_image_info(const std::string& path);
 /// Reads an .exr or .png to its end. Throws IoError if it is empty, cut off or damaged.
 void check_image_whole(const std::string& path);
 
+/// An image's file, or the bytes of one that stands in another file: `name` is then what messages call it,
+/// and its extension tells the format that is likely.
+struct ImageFile {
+  ImageFile(std::string path) : name(std::move(path)) {}
+  ImageFile(std::string of_name, std::span<const std::byte> content)
+      : name(std::move(of_name)), bytes(content) {}
+  std::string name;
+  std::optional<std::span<const std::byte>> bytes;
+};
+
 /// Reads an image of any format row by row from the top, as floats in the encoding of its file.
 class ImageReader {
  public:
   /// Throws IoError if it can't be read, has more than `most_pixels`, or claims more than its bytes can hold.
-  ImageReader(const std::string& path, uint64_t most_pixels, ImagePart part = ImagePart::color);
+  ImageReader(const ImageFile& file, uint64_t most_pixels, ImagePart part = ImagePart::color);
   int width_px() const { return source_->width_px; }
   int height_px() const { return source_->height_px; }
+  bool has_alpha() const { return source_->has_alpha; }
   /// The next row, width × 3, until the next call. Throws IoError.
   std::span<const float> next_row();
 

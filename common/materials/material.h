@@ -77,7 +77,10 @@ struct Material {
 using VertexColor = glm::u16vec4;
 inline constexpr VertexColor kWhiteVertex{65535};
 inline VertexColor make_vertex_color(const Color& color, double opacity = 1) {
-  return VertexColor(glm::clamp(Vec4(color, opacity), 0.0, 1.0) * 65535.0 + 0.5);
+  const auto part = [](double x) {  // no number is 0
+    return static_cast<uint16_t>(x > 0 ? std::min(x, 1.0) * 65535 + 0.5 : 0);
+  };
+  return {part(color.x), part(color.y), part(color.z), part(opacity)};
 }
 
 /// Light goes through its surface into a body that has an index and a filter.

@@ -65,7 +65,7 @@ void shift(Polygon& polygon, const ArrayOffsets& o) {
 }
 
 void shift(Quadric& quadric, const ArrayOffsets& o) {
-  auto& [origin, a, b, c, square_bound, rest_bound, first_plane, plane_count, material, padding, bounds] =
+  auto& [origin, a, b, c, square_bound, rest_bound, first_plane, plane_count, material, is_patch, bounds] =
       quadric;
   first_plane += o.quadric_planes;
   material += o.materials;

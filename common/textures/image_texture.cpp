@@ -55,10 +55,10 @@ bool is_linear(const std::string& path, const ImageReading& reading) {
                                              : reading.encoding == Encoding::linear;
 }
 
-std::vector<uint16_t> load_texels(const std::string& path, Texture& texture, uint64_t most_pixels,
+std::vector<uint16_t> load_texels(const ImageFile& file, Texture& texture, uint64_t most_pixels,
                                   const std::stop_token& stop, const ImageReading& reading) {
-  ImageReader reader(path, most_pixels, reading.part);
-  const bool keeps_values = is_linear(path, reading);
+  ImageReader reader(file, most_pixels, reading.part);
+  const bool keeps_values = is_linear(file.name, reading);
   const auto columns = static_cast<size_t>(reader.width_px()), rows = static_cast<size_t>(reader.height_px());
   texture.width_px = static_cast<uint32_t>(columns);
   texture.height_px = static_cast<uint32_t>(rows);

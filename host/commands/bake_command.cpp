@@ -7,6 +7,7 @@
 #include "host/commands/commands.h"
 #include "host/commands/hierarchy_options.h"
 #include "host/commands/job_options.h"
+#include "host/commands/load_options.h"
 #include "host/commands/zone_options.h"
 #include "host/render/output_pattern.h"
 
@@ -54,7 +55,8 @@ void add_bake_command(CommandLine& line) {
   verb.run = [words](const Renders& renders) { return renders.as_launched(words->job); };
   verb.is_for_all_ranks = true;
   Options options = line.add(std::move(verb));
-  options.text("SCENE", o.scene, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", o.scene, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  add_load_options(options, o.load);
   options.begin_group("Output");
   options
       .text("-o,--output", o.output,

@@ -6,6 +6,7 @@
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/commands/hierarchy_options.h"
+#include "host/commands/load_options.h"
 #include "host/commands/scene_choices.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
@@ -26,8 +27,8 @@ void list_files_outside(const SceneDescription& scene) {
   }
 }
 
-int check(const std::string& path, const BuildOptions& build) {
-  const SceneDescription scene = load_scene(path);
+int check(const std::string& path, const LoadOptions& load, const BuildOptions& build) {
+  const SceneDescription scene = load_scene(path, load);
   check_scene_choices(scene);
   const CompiledScene compiled = compile_and_look(scene, build);
   for (const std::string& file : scene.files) fmt::print("{}\n", file);
@@ -44,13 +45,15 @@ int check(const std::string& path, const BuildOptions& build) {
 
 void add_check_command(CommandLine& line) {
   const auto path = std::make_shared<std::string>();
+  const auto load = std::make_shared<LoadOptions>();
   const auto build = std::make_shared<BuildOptions>();
   Verb verb;
   verb.name = "check";
   verb.help = "validate a scene and list every file it uses";
-  verb.run = [path, build](const Renders&) { return check(*path, *build); };
+  verb.run = [path, load, build](const Renders&) { return check(*path, *load, *build); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", *path, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  add_load_options(options, *load);
   add_hierarchy_options(options, *build);
 }
 

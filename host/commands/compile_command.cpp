@@ -7,6 +7,7 @@
 #include "common/image/image_file.h"
 #include "host/commands/commands.h"
 #include "host/commands/hierarchy_options.h"
+#include "host/commands/load_options.h"
 #include "host/process/console.h"
 #include "host/process/exit_code.h"
 #include "host/process/interrupt.h"
@@ -16,6 +17,7 @@ namespace {
 
 struct CompileOptions {
   std::string scene, output;
+  LoadOptions load;
   BuildOptions build;
 };
 
@@ -29,7 +31,9 @@ void check_options(const CompileOptions& o) {
 
 int compile_objects(const CompileOptions& o) try {
   const StopOnInterrupt stop;
-  const SceneDescription scene = load_scene(o.scene, {.stop = stop.token()});
+  LoadOptions load = o.load;
+  load.stop = stop.token();
+  const SceneDescription scene = load_scene(o.scene, load);
   BuildOptions build = o.build;
   build.stop = stop.token();
   const CompiledScene compiled = compile(scene, build, Purpose::library);
@@ -59,9 +63,10 @@ void add_compile_command(CommandLine& line) {
   verb.check = [o](const auto&) { check_options(*o); };
   verb.run = [o](const Renders&) { return compile_objects(*o); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", o->scene, ".yaml or .nff, whose objects are compiled").required();
+  options.text("SCENE", o->scene, ".yaml, .nff, .glb or .gltf, whose objects are compiled").required();
   options.text("-o,--output", o->output, "FILE.rfp, for `use: {file: FILE.rfp}` in scenes; required", "FILE")
       .required();
+  add_load_options(options, o->load);
   add_hierarchy_options(options, o->build);
 }
 

@@ -9,6 +9,7 @@
 #include "host/commands/commands.h"
 #include "host/commands/compile_and_look.h"
 #include "host/commands/hierarchy_options.h"
+#include "host/commands/load_options.h"
 #include "host/commands/zone_options.h"
 #include "host/process/exit_code.h"
 
@@ -146,8 +147,9 @@ void print_zones(const Scene& scene, const ZoneSettings& settings, int frame) {
   }
 }
 
-int print_info(const std::string& path, const BuildOptions& build, const ZoneSettings& zones) {
-  const SceneDescription scene = load_scene(path);
+int print_info(const std::string& path, const LoadOptions& load, const BuildOptions& build,
+               const ZoneSettings& zones) {
+  const SceneDescription scene = load_scene(path, load);
   const CompiledScene compiled = compile_and_look(scene, build);
   const Scene& s = compiled.scene;
   fmt::print("files\n");
@@ -203,14 +205,16 @@ int print_info(const std::string& path, const BuildOptions& build, const ZoneSet
 
 void add_info_command(CommandLine& line) {
   const auto path = std::make_shared<std::string>();
+  const auto load = std::make_shared<LoadOptions>();
   const auto build = std::make_shared<BuildOptions>();
   const auto zones = std::make_shared<ZoneSettings>();
   Verb verb;
   verb.name = "info";
   verb.help = "print a scene's counts, bounds, zones, object tree and memory";
-  verb.run = [path, build, zones](const Renders&) { return print_info(*path, *build, *zones); };
+  verb.run = [path, load, build, zones](const Renders&) { return print_info(*path, *load, *build, *zones); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", *path, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", *path, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  add_load_options(options, *load);
   add_hierarchy_options(options, *build);
   options.begin_group("Zones");
   add_zone_size_options(options, *zones);

@@ -10,6 +10,7 @@
 #include "host/commands/colour_option.h"
 #include "host/commands/hierarchy_options.h"
 #include "host/commands/job_options.h"
+#include "host/commands/load_options.h"
 #include "host/commands/net_options.h"
 #include "host/commands/zone_options.h"
 #include "host/render/output_pattern.h"
@@ -72,6 +73,8 @@ void add_picture(Options& options, RenderOptions& o) {
   options.text(
       "--crop", [&o](const std::string& text) { o.crop = parse_numbers<4>(text, ',', "x0,x1,y0,y1"); },
       "render only these pixels; x1 and y1 are excluded", "x0,x1,y0,y1");
+  options.number("--exposure", o.settings.exposure_stops, -kMostExposure_stops, kMostExposure_stops,
+                 "stops by which the picture is brighter than the light that the scene has (default: 0)");
   options.begin_group("Picture");
   options.choice<PixelFormat>(
       "--pixel-format", o.pixel_format,
@@ -279,7 +282,8 @@ void check_combinations(const RenderOptions& o) {
 }  // namespace
 
 void add_render_options(Options& options, RenderOptions& o) {
-  options.text("SCENE", o.scene, ".yaml, .nff or .rfp").required();
+  options.text("SCENE", o.scene, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  add_load_options(options, o.load);
   add_picture(options, o);
   add_light(options, o);
   options.begin_group("Zones (--lighting radiosity and zonal)", AskedBy::scenes_too);

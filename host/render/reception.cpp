@@ -37,7 +37,10 @@ class SceneLoading {
                           std::stop_token stop) {
     LoadedScene loaded;
     const double begin = now_s();
-    loaded.description = load_scene(options.scene, {.stop = stop, .progress = reading});
+    LoadOptions how = options.load;
+    how.stop = stop;
+    how.progress = reading;
+    loaded.description = load_scene(options.scene, how);
     loaded.load_s = now_s() - begin;
     loaded.options = options.adopt ? options.adopt(loaded.description) : options;
     BuildOptions build = options.build;

@@ -37,6 +37,7 @@ struct RenderOptions {
   std::optional<int> least_side_px;  ///< of a subpolygon; empty: the wire's
   double ray_time_s = 0;             ///< of emulated processors; 0: none
   std::vector<double> time_factors;  ///< of emulated processors
+  LoadOptions load;
   BuildOptions build;
   int local_nodes = 0;  ///< 0: one per core
   double node_timeout_s = liveness::kNodeTimeout_s;

@@ -84,6 +84,7 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
   s.samples = usual.samples;
   s.subpixels = usual.subpixels;
   s.filter = usual.filter;
+  s.exposure_stops = usual.exposure_stops;
   s.shutter = usual.shutter;
   s.adaptive_contrast = usual.adaptive_contrast;
   s.diffuse_rays = usual.diffuse_rays;

@@ -19,8 +19,10 @@
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
 #include "tests/fuzz/block_seeds.h"
+#include "tests/fuzz/gltf_seeds.h"
 #include "tests/fuzz/grid_seeds.h"
 #include "tests/fuzz/messages.h"
+#include "tests/fuzz/obj_seeds.h"
 #include "tests/fuzz/zone_bytes.h"
 #include "tests/read_in_pieces.h"
 #include "tests/render_little.h"
@@ -65,26 +67,6 @@ std::vector<std::string> scene_seeds(const char* extension) {
   return seeds;
 }
 
-constexpr const char* kObj =
-    "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 1\nusemtl a\ns 1\n"
-    "f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 -3\nf 1 2 3 4 2\ng x\no y\nf 1//1 2//1 3//1\n";
-constexpr const char* kMtl =
-    "newmtl a\nKd 1 .5 0\nKs .2 .2 .2\nNs 20\nillum 3\nd 0.5\nNi 1.5\nmap_Kd -o 0.1 0 -s 2 2 t.png\nKe 0 0 "
-    "0\n";
-constexpr const char* kSmoothObj =
-    "mtllib a.mtl\nv 0 0 0 1 .5 0\nv 1 0 \\\n0\nv 1 1 0 255 0 1\nv 0 1 3.1+e0\ns 1\nf 1// 2/ 3\ns 2\nf 1 3 4 "
-    "# end\n"
-    "s off\nusemtl a\nfo +1 3 2\n";
-constexpr const char* kPhysicalMtl =
-    "newmtl a\nKd 1 .5 0\nPr .3\nPm 1\nPc .5\nPcr .1\nKs .5 .5 .5\nmap_Pr -imfchan g -clamp on t.png\nmap_Pm "
-    "t.png\n"
-    "norm -bm .5 t.png\nmap_Ke t.png\n";
-constexpr const char* kGlassMtl =
-    "newmtl a\nKd 0 0 0\nKs 1 1 1\nillum 7\nTr .9\nTf 1 .5 1\nmap_Bump t.png -bm 2\nmap_Ks t.png\nnewmtl "
-    "b\nKd 1 1 1\n"
-    "Ns 90\nd .5\nmap_d t.png\n";
-constexpr const char* kYamlMesh =
-    "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{mesh: {file: a.obj, smooth: phong}}]\n";
 constexpr const char* kYamlPart =
     "view: {location: [0, 0, 9], look_at: [0, 0, 0]}\nlights: [{position: [1, 2, 3]}]\nscene:\n"
     "  - {use: {file: a.rfp}}\n  - {use: {file: a.rfp}, transform: {scale: 0.5}}\n";
@@ -93,8 +75,7 @@ constexpr const char* kNff =
     "f 1 0.5 0.2 0.8 0.3 20 0 1\np 4\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\ns 0 0 1 0.5\nc\n0 0 0 1\n0 0 1 0.2\n"
     "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
 
-/// However it is cut into pieces a file is what it is in one, and so is its error: a piece a line or record,
-/// and a few pieces.
+/// However it is cut, by lines or records or a few pieces, a file is what it is in one, and so is its error.
 template <typename Read, typename IsSame>
 void cut(const std::string& bytes, Read read, IsSame is_same) {
   std::vector<size_t> all(bytes.size());
@@ -307,6 +288,45 @@ std::vector<Target> make_targets(const std::string& path) {
         "Kd ",        "Ns 1e39\n", "illum 99\n", "\n",         "Ke 9 9 9\n",  "d -1\n",  "Ni 0\n",
         "map_Bump ",  "norm ",     "map_d ",     "-clamp on ", "-imfchan r ", "Pr .5\n", "Pm 1\n",
         "Tf 0 1 2\n", "illum 7\n", "\\\n",       "-s 1e30 ",   "-o 1e300 ",   "1e38"}},
+      {"gltf",
+       [folder](const std::string& bytes) {
+         render_file(folder.write(bytes.starts_with("glTF") ? "in.glb" : "in.gltf", bytes));
+       },
+       gltf_seeds(),
+       {"[",
+        "]",
+        "{",
+        "}",
+        ",",
+        "\"",
+        ":",
+        "0",
+        "1",
+        "2",
+        "3",
+        "-1",
+        "1e308",
+        "1e-300",
+        "99999999999",
+        "0.5",
+        "null",
+        "true",
+        "\"sparse\":{",
+        "\"mode\":5",
+        "\"children\":[1]",
+        "\"mesh\":0",
+        "\"skin\":0",
+        "\"matrix\":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1]",
+        "\"scale\":[0,0,0]",
+        "\"byteStride\":0",
+        "5121",
+        "5123",
+        "5125",
+        "5126",
+        "\"normalized\":true",
+        "\"STEP\"",
+        "\"CUBICSPLINE\"",
+        "\"MASK\""}},
       {"ies",
        [folder](const std::string& bytes) {
          GoniometricDiagram diagram;

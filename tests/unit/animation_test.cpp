@@ -41,6 +41,26 @@ TEST(Curve, RotationsTakeTheShorterArc) {
   EXPECT_NEAR(p.z, -std::sin(40 * M_PI / 180), 1e-12);
 }
 
+TEST(Curve, CubicsAreHermites) {
+  // x(t) = t³ - 2t + 1 at frames 0, 2 and 5 with its own slopes is itself; so is any cubic.
+  const auto x = [](double t) { return t * t * t - 2 * t + 1; };
+  const auto slope = [](double t) { return 3 * t * t - 2; };
+  const std::vector<double> frames{0, 2, 5};
+  std::vector<Vec4> values;
+  for (const double t : frames)
+    for (const double v : {slope(t), x(t), slope(t)}) values.emplace_back(v, 0, 0, 0);
+  for (double t = 0; t <= 5; t += 0.25)
+    EXPECT_NEAR(eval_curve(Interpolation::cubic, frames, values, t).x, x(t), 1e-12) << t;
+  EXPECT_EQ(eval_curve(Interpolation::cubic, frames, values, -1).x, x(0));
+  EXPECT_EQ(eval_curve(Interpolation::cubic, frames, values, 6).x, x(5));
+  // A slope that it leaves with is not the one that it arrives with.
+  values[3].x = 100;
+  EXPECT_NEAR(eval_curve(Interpolation::cubic, frames, values, 3).x, x(3), 1e-12);
+  EXPECT_NE(eval_curve(Interpolation::cubic, frames, values, 1).x, x(1));
+  for (Vec4& v : values) v = Vec4(v.x, 1, 2, 3);
+  EXPECT_NEAR(glm::length(eval_curve(Interpolation::cubic_rotation, frames, values, 3.3)), 1, 1e-12);
+}
+
 TEST(Animation, RefitFindsWhatBruteForceFindsInEveryFrame) {
   const CompiledScene compiled = compile(load_scene(std::string(RAYFARM_SOURCE) + "/scenes/animation.yaml"));
   ASSERT_FALSE(compiled.scene.moving_instances.empty());

@@ -61,6 +61,36 @@ TEST(Textures, FarPatternsAreTheirMean) {
   }
 }
 
+TEST(Textures, ImagesEndAsTheyAreToldTo) {
+  // Three pixels in a row: 0, 0.5 and 1.
+  Texture t;
+  t.kind = TextureKind::image;
+  t.width_px = 3;
+  t.height_px = t.levels = 1;
+  std::vector<uint16_t> texels;
+  for (const float value : {0.f, 0.5f, 1.f})
+    for (int c = 0; c < 3; ++c) texels.push_back(half_of_float(value));
+  const auto at = [&](double u) { return eval_texture(t, texels, {{}, {u, 0.5}, 0, 0}).x; };
+  const auto middle = [](int i) { return (i + 0.5) / 3; };  // of the pixel
+  t.wraps[0] = TextureWrap::mirror;
+  for (int i = -7; i <= 7; ++i) {
+    const int in_period = ((i % 6) + 6) % 6, place = in_period < 3 ? in_period : 5 - in_period;
+    EXPECT_NEAR(at(middle(i)), 0.5 * place, 1e-9) << i;
+  }
+  EXPECT_NEAR(at(1), 1, 1e-9);  // between a pixel and its image in the mirror
+  t.wraps[0] = TextureWrap::clamp;
+  for (int i = -7; i <= 7; ++i) EXPECT_NEAR(at(middle(i)), 0.5 * std::clamp(i, 0, 2), 1e-9) << i;
+  EXPECT_EQ(at(1e300), 1);
+  EXPECT_EQ(at(-1e300), 0);
+  t.wraps[0] = TextureWrap::repeat;
+  EXPECT_NEAR(at(1), 0.5, 1e-9);  // between the last and the first
+  EXPECT_NEAR(at(0.4), 0.5 * 0.7, 1e-3);
+  t.is_nearest = 1;
+  EXPECT_EQ(at(0.3334), 0.5);
+  EXPECT_EQ(at(0.3332), 0);
+  EXPECT_EQ(at(0.9999), 1);
+}
+
 TEST(Textures, CheckerAlternatesInAllThreeDirections) {
   Texture t;
   const auto at = [&](double x, double y, double z) { return eval_texture(t, {}, {{x, y, z}, {}, 0, 0}).x; };

@@ -25,13 +25,19 @@ using MeshLoader = void (*)(SceneDescription& scene, uint32_t object, const Mesh
 void load_obj_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
                    const LoadOptions& options);
 
+/// glTF 2.0, .gltf or .glb: a child that holds all that its scene shows, with its materials and lights; what
+/// moves by its clip does so.
+void load_gltf_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                    const LoadOptions& options);
+
 struct MeshFormat {
   const char* extension;
   MeshLoader load;
 };
 
 /// Every format that a mesh may be in.
-inline constexpr MeshFormat kMeshFormats[] = {{".obj", load_obj_mesh}};
+inline constexpr MeshFormat kMeshFormats[] = {
+    {".obj", load_obj_mesh}, {".glb", load_gltf_mesh}, {".gltf", load_gltf_mesh}};
 
 /// The format of a file by its name; null if it is none of them.
 const MeshFormat* find_mesh_format(const std::string& path);

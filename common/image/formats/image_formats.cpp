@@ -18,6 +18,7 @@ class OiioSource : public ImageSource {
       channels_ = 1;
     }
     constexpr int kScanlines = 32;
+    has_alpha = spec_.alpha_channel >= 0;
     width_px = spec_.width;
     height_px = spec_.height;
     rows_at_once = spec_.tile_width > 0 ? std::max(1, spec_.tile_height) : std::min(height_px, kScanlines);

@@ -13,6 +13,7 @@ class ImageSource {
  public:
   virtual ~ImageSource() = default;
   int width_px = 0, height_px = 0;
+  bool has_alpha = false;
   int rows_at_once = 1;  ///< what `read_rows` wants, but for the last rows
 
   /// Reads `count` rows from `y` on: count × width × 3, row-major. Rows are read once each, from the top.

@@ -1,0 +1,12 @@
+#pragma once
+// Cameras of a glTF file as the view.
+#include "common/description/formats/gltf/nodes.h"
+
+namespace rayfarm {
+
+/// Sets the view to the camera that the options name, or the first. Throws InputError if there is none of
+/// that name.
+void set_view(const GltfFile& file, const GltfAnimation& animation,
+              const std::vector<GltfPlacedCamera>& cameras, SceneDescription& scene);
+
+}  // namespace rayfarm

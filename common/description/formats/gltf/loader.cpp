@@ -1,0 +1,90 @@
+// glTF 2.0: Khronos Group, "glTF 2.0 Specification" (2021), and its ratified extensions. Its JSON is read by
+// nlohmann's library. A loader of all of it, as tinygltf, is not used: it trusts what it reads, and a damaged
+// file must end in an error.
+#include <fmt/format.h>
+
+#include "common/description/formats/gltf/cameras.h"
+#include "common/description/formats/mesh_loaders.h"
+#include "common/description/formats/scene_loaders.h"
+#include "common/description/object_bounds.h"
+
+namespace rayfarm {
+namespace {
+
+constexpr const char* kExtensions[] = {
+    "KHR_lights_punctual",   "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit",   "KHR_materials_volume",    "KHR_mesh_quantization",
+    "KHR_texture_transform", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+    "EXT_texture_webp"};
+
+bool is_known(const std::string& extension) {
+  return std::find(std::begin(kExtensions), std::end(kExtensions), extension) != std::end(kExtensions);
+}
+
+/// Refuses what can't be read without an extension, and notes what is shown without it.
+void check_extensions(const GltfFile& file, Notes& notes) {
+  const auto names_of = [&](const char* list) {
+    std::vector<std::string> unknown;
+    for (size_t i = 0; i < file.count(list); ++i)
+      if (const std::string name = file.item(list, i).text(); !is_known(name))
+        unknown.push_back(name.substr(0, 80));
+    return unknown;
+  };
+  if (const auto required = names_of("extensionsRequired"); !required.empty())
+    throw InputError({file.path()},
+                     fmt::format("it requires the extension {}, which is not read here; export it without",
+                                 fmt::join(required, ", ")));
+  if (const auto used = names_of("extensionsUsed"); !used.empty())
+    notes.add({file.path()}, fmt::format("not used: the extension{} {}", used.size() == 1 ? "" : "s",
+                                         fmt::join(used, ", ")));
+}
+
+}  // namespace
+
+SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& options) {
+  SceneDescription scene;
+  scene.files = {path};
+  scene.objects.push_back({"scene", {}, {}, {}});
+  scene.materials.emplace_back("default");
+  const GltfFile file(path, options);
+  check_extensions(file, scene.notes);
+  const GltfAnimation animation(file, scene.notes);
+  GltfNodes nodes(file, scene, animation, {});
+  const uint32_t root = nodes.add_all();
+  nodes.add_notes();
+  scene.objects[0].children.push_back({root, {}, {}});
+  scene.frames = animation.frames();
+  if (!nodes.cameras().empty())
+    set_view(file, animation, nodes.cameras(), scene);
+  else
+    look_at(bounds_of_object(scene, root, 0), scene.view);
+  const bool shines = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
+    return m.emission != Color(0) && !m.is_unlit;
+  });
+  if (nodes.light_count() == 0 && !shines) {
+    scene.notes.add({path}, "the file has no lights; one shines from beside the viewer");
+    Light& light = scene.lights.emplace_back();
+    light.kind = LightKind::distant;
+    light.direction = normalized(Vec3(-1, -2, -3));
+  }
+  return scene;
+}
+
+void load_gltf_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                    const LoadOptions& options) {
+  const GltfFile file(request.path, options);
+  scene.files.push_back(request.path);
+  check_extensions(file, scene.notes);
+  const GltfAnimation animation(file, scene.notes);
+  GltfNodes nodes(file, scene, animation, request.place);
+  const uint32_t root = nodes.add_all();
+  nodes.add_notes();
+  scene.objects[object].children.push_back({root, {}, request.place});
+  if (!scene.frames) scene.frames = animation.frames();
+  if (!nodes.cameras().empty())
+    scene.notes.add({request.path},
+                    "its cameras are not used: the scene that names it has a view of its own");
+}
+
+}  // namespace rayfarm

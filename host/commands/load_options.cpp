@@ -1,0 +1,14 @@
+#include "host/commands/load_options.h"
+
+namespace rayfarm {
+
+void add_load_options(Options& options, LoadOptions& load) {
+  options.text("--clip", load.clip,
+               "which clip of a glTF file moves it, by name or number from 0 (default: 0)", "NAME|N");
+  options.text("--camera", load.camera,
+               "through which camera of a glTF file it is seen, by name or number from 0 (default: 0)",
+               "NAME|N");
+  options.number("--fps", load.fps, 0.01, 10'000, "frames in a second of a glTF file's clip (default: 24)");
+}
+
+}  // namespace rayfarm
