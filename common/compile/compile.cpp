@@ -190,13 +190,13 @@ class PartCompiler {
       throw InputError(description_.source(description_.objects[owner].place), e.what());
     }
     luminous_of_.push_back(luminaires_.take());
-    still_.clear();
     if (spent_)
       for (const FixedObject& o : objects)
         for_each_mesh(spent_->objects[o.object], [](MeshShape& mesh) {
           mesh.positions = {};
           mesh.triangles = {};
         });
+    still_.clear();
   }
 
   /// Adds what is described of an object to the group: one object of it, but of what stands in the scene

@@ -27,6 +27,8 @@ struct SceneBlock {
   std::unique_ptr<std::byte, Free> data;
   size_t size = 0;
   std::span<const std::byte> bytes() const { return {data.get(), size}; }
+  /// Gives memory of the bytes from `first` up to `end` back: they must not be read any more.
+  void give_back(size_t first, size_t end) { release_pages(data.get() + first, end - first); }
 };
 
 /// Copies the arrays into a new block.

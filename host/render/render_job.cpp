@@ -6,7 +6,6 @@
 
 #include <filesystem>
 
-#include "common/memory/large_vector.h"
 #include "common/scene/camera.h"
 #include "host/bake/bake.h"
 #include "host/farm/dismissal.h"
@@ -249,7 +248,7 @@ class Render {
         [&](size_t sent) {
           constexpr size_t kStep = 16 << 20;
           if (!is_spent || (sent < released + kStep && sent < block.size)) return;
-          release_pages(block.data.get() + released, sent - released);
+          block.give_back(released, sent);
           released = sent;
         },
         [this](const std::string& text) { log_->warn(text); }, roll_call.make_node_witness());

@@ -23,6 +23,7 @@
 #include "tests/fuzz/grid_seeds.h"
 #include "tests/fuzz/mesh_seeds.h"
 #include "tests/fuzz/messages.h"
+#include "tests/fuzz/obj_seeds.h"
 #include "tests/fuzz/zone_bytes.h"
 #include "tests/read_in_pieces.h"
 #include "tests/render_little.h"
@@ -75,8 +76,7 @@ constexpr const char* kNff =
     "f 1 0.5 0.2 0.8 0.3 20 0 1\np 4\n-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\ns 0 0 1 0.5\nc\n0 0 0 1\n0 0 1 0.2\n"
     "pp 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
 
-/// However it is cut into pieces a file is what it is in one, and so is its error: a piece a line or record,
-/// and a few pieces.
+/// However it is cut, by lines or records or a few pieces, a file is what it is in one, and so is its error.
 template <typename Read, typename IsSame>
 void cut(const std::string& bytes, Read read, IsSame is_same) {
   std::vector<size_t> all(bytes.size());

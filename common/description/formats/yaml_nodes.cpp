@@ -151,9 +151,12 @@ void YamlNodes::read_content(YamlMap& map, const YamlValue& value, uint32_t targ
         scene_.objects[target].primitives.push_back(
             {std::move(shape), zoned(inherited.material, inherited.zone_size), v->place()});
     }
+  const auto replaces = map.find("override");
+  if (replaces && !map.has("mesh"))
+    replaces->fail("`override` belongs to a `mesh`, whose file has materials of its own");
   if (auto v = map.find("mesh")) {
     ++contents;
-    read_mesh(*v, map, target, inherited, own_material);
+    read_mesh(*v, replaces, target, inherited, own_material);
   }
   if (auto v = map.find("light")) {
     ++contents;
@@ -207,10 +210,11 @@ uint32_t YamlNodes::read_part_file(const YamlValue& value) {
   }
 }
 
-bool YamlNodes::has_override(YamlMap& node, YamlMap& mesh, const Inherited& inherited) {
+bool YamlNodes::has_override(const std::optional<YamlValue>& of_node, YamlMap& mesh,
+                             const Inherited& inherited) {
   bool is_said = false;
-  for (YamlMap* map : {&node, &mesh})
-    if (auto v = map->find("override"); v && v->boolean()) {
+  for (const std::optional<YamlValue>& v : {of_node, mesh.find("override")})
+    if (v && v->boolean()) {
       is_said = true;
       if (inherited.material == 0)
         v->fail("`override` puts a `material` of the scene in place of the file's; give that, too");
@@ -218,8 +222,8 @@ bool YamlNodes::has_override(YamlMap& node, YamlMap& mesh, const Inherited& inhe
   return is_said;
 }
 
-void YamlNodes::read_mesh(const YamlValue& value, YamlMap& node, uint32_t object, const Inherited& inherited,
-                          const std::optional<YamlValue>& own_material) {
+void YamlNodes::read_mesh(const YamlValue& value, const std::optional<YamlValue>& replaces, uint32_t object,
+                          const Inherited& inherited, const std::optional<YamlValue>& own_material) {
   YamlMap map(value);
   const YamlValue file = map.require("file");
   const bool has_smoothing = map.has("smooth");
@@ -230,14 +234,18 @@ void YamlNodes::read_mesh(const YamlValue& value, YamlMap& node, uint32_t object
       v->fail("`crease` belongs to a smooth mesh; leave it out of a flat one");
     crease = v->number_in(1, 179);
   }
-  const bool is_replaced = has_override(node, map, inherited);
+  const bool is_replaced = has_override(replaces, map, inherited);
   map.finish();
   const std::string path = document_.path_of(file);
   const MeshFormat* format = find_mesh_format(path);
   if (!format) file.fail(fmt::format("a mesh is read from {}; export it as one", mesh_extensions()));
   // What came as an object of its own is used again.
-  uint32_t& known = mesh_files_.try_emplace({path, inherited.material, smoothing, inherited.zone_size}, kNone)
-                        .first->second;
+  uint32_t& known =
+      mesh_files_
+          .try_emplace({path, inherited.material, has_smoothing ? std::optional(smoothing) : std::nullopt,
+                        inherited.zone_size, is_replaced},
+                       kNone)
+          .first->second;
   if (known != kNone) {
     scene_.objects[object].children.push_back({known, {}, value.place()});
     return;
@@ -250,15 +258,15 @@ void YamlNodes::read_mesh(const YamlValue& value, YamlMap& node, uint32_t object
   } catch (const IoError& e) {
     file.fail(e.what());
   }
-  const ObjectDescription& made = scene_.objects[object];
-  if (made.primitives.size() == first_primitive && made.children.size() == first_child + 1)
-    known = made.children.back().object;
   if (is_replaced)
     visit_added(scene_, object, first_primitive, first_object, [&](PrimitiveDescription& primitive) {
       primitive.material = inherited.material;
       if (auto* mesh = std::get_if<MeshShape>(&primitive.shape))
         mesh->materials = mesh->polygons.materials = {};
     });
+  const ObjectDescription& made = scene_.objects[object];
+  if (made.primitives.size() == first_primitive && made.children.size() == first_child + 1)
+    known = made.children.back().object;
   if (own_material) {
     bool is_used = false;
     visit_added(scene_, object, first_primitive, first_object, [&](const PrimitiveDescription& primitive) {

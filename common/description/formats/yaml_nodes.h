@@ -37,16 +37,18 @@ class YamlNodes {
   uint32_t find_object(const YamlValue& value) const;
   uint32_t read_part_file(const YamlValue& value);
   /// True if the node's material replaces those of its mesh's file; said there or in the mesh.
-  static bool has_override(YamlMap& node, YamlMap& mesh, const Inherited& inherited);
-  void read_mesh(const YamlValue& value, YamlMap& node, uint32_t object, const Inherited& inherited,
-                 const std::optional<YamlValue>& own_material);
+  static bool has_override(const std::optional<YamlValue>& of_node, YamlMap& mesh,
+                           const Inherited& inherited);
+  void read_mesh(const YamlValue& value, const std::optional<YamlValue>& replaces, uint32_t object,
+                 const Inherited& inherited, const std::optional<YamlValue>& own_material);
 
   YamlDocument& document_;
   SceneDescription& scene_;
   const LoadOptions& options_;
   std::map<std::string, uint32_t> part_files_;
   std::map<std::pair<uint32_t, float>, uint32_t> zoned_materials_;
-  std::map<std::tuple<std::string, uint32_t, Smoothing, float>, uint32_t> mesh_files_;
+  /// By path, material, smoothing, size of zones, and whether the material replaces the file's.
+  std::map<std::tuple<std::string, uint32_t, std::optional<Smoothing>, float, bool>, uint32_t> mesh_files_;
 };
 
 }  // namespace rayfarm
