@@ -54,7 +54,7 @@ int render_locally(const RenderOptions& options) {
     if (!std::exchange(is_loaded, true)) block.set_value(bytes);
   };
   Farm farm{*ends.get()[0], 1,
-            [&](std::span<const std::byte> bytes, const auto&, const auto&) { load(bytes); },
+            [&](std::span<const std::byte> bytes, const auto&, const auto&, const auto&) { load(bytes); },
             [&] {
               load({});  // whatever happened, no node waits for ever
               for (std::thread& thread : threads) thread.join();
@@ -77,8 +77,9 @@ int render_locally(const RenderOptions& options) {
     catch_interrupts();
     std::unique_ptr<SharedBlock> shared;
     Farm farm{*transport, session.size(),
-              [&](std::span<const std::byte> block, const auto& warn, const auto& names_the_gone) {
-                shared = session.load_data(block, transport->meter(), warn, names_the_gone);
+              [&](std::span<const std::byte> block, const auto& is_sent, const auto& warn,
+                  const auto& names_the_gone) {
+                shared = session.load_data(block, is_sent, transport->meter(), warn, names_the_gone);
               }};
     const Ending ending = run_render(options, farm);
     heart.reset();
@@ -89,7 +90,7 @@ int render_locally(const RenderOptions& options) {
   std::unique_ptr<SharedBlock> shared;
   const auto load_scene_block = [&](const ProcessSign& host) {
     shared = session.load_data(
-        {}, nullptr, [](const std::string& text) { say("rayfarm: {}\n", text); },
+        {}, [](size_t) {}, nullptr, [](const std::string& text) { say("rayfarm: {}\n", text); },
         make_witness({{"the host", host}}, liveness::kGraceForHost_s));
     return shared->bytes();
   };

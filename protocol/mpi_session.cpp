@@ -251,7 +251,9 @@ std::unique_ptr<Transport> MpiSession::make_transport() {
   return std::make_unique<MpiTransport>(state_->comm, state_->in_mpi);
 }
 
-std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> block, TrafficMeter* meter,
+std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> block,
+                                                   const std::function<void(size_t sent)>& is_sent,
+                                                   TrafficMeter* meter,
                                                    const std::function<void(const std::string&)>& warn,
                                                    std::function<std::string()> names_the_gone) {
   State& s = *state_;
@@ -351,6 +353,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
         throw ProtocolError("load data lies outside of the scene");
       if (target) std::memcpy(target + data.address, data.payload.data(), data.payload.size());
       if (progress) std::atomic_ref(*progress).store(data.address + data.payload.size());
+      if (s.rank == kHostRank) is_sent(offset + length);
     }
   }
   s.wait_for_machine(machine, progress);

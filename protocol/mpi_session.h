@@ -43,10 +43,12 @@ class MpiSession {
 
   /// Collective: gives every machine one copy of the host's block in shared memory, in chunks of load data.
   /// Where /dev/shm is too small the machine's processes hold a copy each, and `warn` is called on one of
-  /// them; the host's own is then the one it sends, and null is returned. `block` is read on rank 0 only. A
-  /// process lost meanwhile ends the job: at once if `names_the_gone` (see Watchdog) names it, else within
+  /// them; the host's own is then the one it sends, and null is returned. `block` is read on rank 0 only,
+  /// where `is_sent` is told now and then before which of its bytes nothing is read any more. A process lost
+  /// meanwhile ends the job: at once if `names_the_gone` (see Watchdog) names it, else within
   /// kLoadingStepOfNodes_s.
-  std::unique_ptr<SharedBlock> load_data(std::span<const std::byte> block, TrafficMeter* meter,
+  std::unique_ptr<SharedBlock> load_data(std::span<const std::byte> block,
+                                         const std::function<void(size_t sent)>& is_sent, TrafficMeter* meter,
                                          const std::function<void(const std::string&)>& warn,
                                          std::function<std::string()> names_the_gone);
 

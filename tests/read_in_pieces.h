@@ -23,7 +23,7 @@ inline ObjOutcome read_obj(std::string_view text, const std::string& path, std::
   scene.materials.emplace_back("default");
   ObjOutcome outcome;
   try {
-    outcome.mesh = read_obj_mesh(scene, text, path, 0, smoothing, borders);
+    outcome.mesh = read_obj_mesh(scene, text, {path, 0, smoothing, {}}, borders);
   } catch (const InputError& e) {
     outcome.error = e.what();
   }
@@ -35,7 +35,7 @@ inline ObjOutcome read_obj(std::string_view text, const std::string& path, std::
 inline bool is_same(const MeshShape& a, const MeshShape& b) {
   return a.positions == b.positions && a.normals == b.normals && a.uvs == b.uvs &&
          a.triangles == b.triangles && a.triangle_normals == b.triangle_normals &&
-         a.triangle_uvs == b.triangle_uvs && a.materials == b.materials &&
+         a.triangle_uvs == b.triangle_uvs && a.colors == b.colors && a.materials == b.materials &&
          a.polygons.sides == b.polygons.sides && a.polygons.corners == b.polygons.corners &&
          a.polygons.normals == b.polygons.normals && a.polygons.uvs == b.polygons.uvs &&
          a.polygons.materials == b.polygons.materials;

@@ -47,13 +47,31 @@ void add_own_spectra(SceneArrays<GrowingArray>& arrays, const SceneDescription& 
   for (const SpectrumDescription& s : description.spectra) add_spectra(arrays, std::span(&s, 1), s.index);
 }
 
+/// Leaves of a mesh only what its triangles are built from.
+void give_up_corners(MeshShape& mesh) {
+  mesh.normals = {};
+  mesh.uvs = mesh.second_uvs = {};
+  mesh.colors = {};
+  mesh.materials = {};
+  mesh.triangle_normals = mesh.triangle_uvs = {};
+  mesh.polygons = {};
+}
+
+template <typename GiveUp>
+void for_each_mesh(ObjectDescription& object, GiveUp give_up) {
+  for (PrimitiveDescription& p : object.primitives)
+    if (auto* mesh = std::get_if<MeshShape>(&p.shape)) give_up(*mesh);
+}
+
 /// The parts of a scene as they are made.
 class PartCompiler {
  public:
+  /// `spent`: the description, if it may be given up, or null.
   PartCompiler(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
-               const BuildOptions& options, Purpose purpose)
+               SceneDescription* spent, const BuildOptions& options, Purpose purpose)
       : arrays_(arrays),
         description_(description),
+        spent_(spent),
         options_(options),
         purpose_(purpose),
         shapes_(arrays, luminaires_, description, options.stop),
@@ -173,6 +191,12 @@ class PartCompiler {
     }
     luminous_of_.push_back(luminaires_.take());
     still_.clear();
+    if (spent_)
+      for (const FixedObject& o : objects)
+        for_each_mesh(spent_->objects[o.object], [](MeshShape& mesh) {
+          mesh.positions = {};
+          mesh.triangles = {};
+        });
   }
 
   /// Adds what is described of an object to the group: one object of it, but of what stands in the scene
@@ -194,6 +218,7 @@ class PartCompiler {
     }
     described.count = count() - described.first;
     if (!are_apart || group.objects.empty()) group.objects.push_back(described);
+    if (spent_) for_each_mesh(spent_->objects[object], give_up_corners);
   }
 
   /// Adds a library's parts when the first of them is met; returns where they begin.
@@ -213,6 +238,7 @@ class PartCompiler {
 
   SceneArrays<GrowingArray>& arrays_;
   const SceneDescription& description_;
+  SceneDescription* spent_;
   const BuildOptions& options_;
   Purpose purpose_;
   Luminaires luminaires_;
@@ -229,9 +255,8 @@ class PartCompiler {
   std::vector<std::vector<Luminous>> luminous_of_;
 };
 
-}  // namespace
-
-CompiledScene compile(const SceneDescription& description, const BuildOptions& options, Purpose purpose) {
+CompiledScene compile_scene(const SceneDescription& description, SceneDescription* spent,
+                            const BuildOptions& options, Purpose purpose) {
   SceneArrays<GrowingArray> arrays;
   arrays.header.resize(1);
   arrays.header[0].background = description.background;
@@ -248,7 +273,7 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
     arrays.lights.clear();
   else
     add_media(arrays, description);
-  PartCompiler parts(arrays, description, options, purpose);
+  PartCompiler parts(arrays, description, spent, options, purpose);
   parts.add_all();
   LightPlaces places;
   ObjectTree tree(arrays, description, parts.part_of(), options.stop);
@@ -271,6 +296,16 @@ CompiledScene compile(const SceneDescription& description, const BuildOptions& o
   add_notes_of_idle(description, options, purpose, result.scene, parts.built(), parts.in_use(), result.notes);
   if (purpose == Purpose::pictures) add_notes_of_darkness(description, result.scene, places, result.notes);
   return result;
+}
+
+}  // namespace
+
+CompiledScene compile(const SceneDescription& description, const BuildOptions& options, Purpose purpose) {
+  return compile_scene(description, nullptr, options, purpose);
+}
+
+CompiledScene compile_away(SceneDescription& description, const BuildOptions& options, Purpose purpose) {
+  return compile_scene(description, &description, options, purpose);
 }
 
 }  // namespace rayfarm

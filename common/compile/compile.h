@@ -25,4 +25,9 @@ enum class Purpose {
 CompiledScene compile(const SceneDescription& description, const BuildOptions& options = {},
                       Purpose purpose = Purpose::pictures);
 
+/// The same, but what is compiled of meshes leaves the description at once: it and the scene never stand
+/// beside each other as wholes. Their primitives stay, without points or faces.
+CompiledScene compile_away(SceneDescription& description, const BuildOptions& options = {},
+                           Purpose purpose = Purpose::pictures);
+
 }  // namespace rayfarm

@@ -21,7 +21,8 @@ void add_materials(SceneArrays<GrowingArray>& arrays, const SceneDescription& de
     add_spectra(arrays, m.spectra, arrays.materials.size());
     Material& material = arrays.materials.emplace_back(m);
     if (material.kind != MaterialKind::principled) continue;
-    set_nearest_coefficients(eval_principled_point(view_of(arrays), m, mean), material);
+    if (!arrays.principled[material.principled].has_coefficients)
+      set_nearest_coefficients(eval_principled_point(view_of(arrays), m, mean), material);
     material.color = m.color;  // which the texture multiplies where rays meet it
     if (material.is_pierced) arrays.header[0].has_holes = 1;
   }

@@ -97,6 +97,11 @@ void ShapeCompiler::add_quadric(PartPrimitives& part, const PrimitiveDescription
     throw InputError(description_.source(p.place),
                      "nothing is left of the quadric: it has no real points between its planes");
   quadric.bounds = *bounds;
+  store_quadric(part, p, quadric, planes);
+}
+
+void ShapeCompiler::store_quadric(PartPrimitives& part, const PrimitiveDescription& p, Quadric quadric,
+                                  std::span<const Vec4> planes) {
   quadric.first_plane = static_cast<uint32_t>(arrays_.quadric_planes.size());
   quadric.plane_count = static_cast<uint32_t>(planes.size());
   quadric.material = p.material;
@@ -117,6 +122,12 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
   const std::optional<Box> bounds = quadric_bounds(about_origin, shape.planes);
   const Vec3 center = bounds && !bounds->is_empty() ? bounds->center() : Vec3(0);
   add_quadric(part, p, make_quadric(shape.coefficients, center), shape.planes);
+}
+
+void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, const PatchShape& shape) {
+  std::array<Vec4, 4> planes;
+  const Quadric quadric = make_patch(shape.corners, planes);
+  store_quadric(part, p, quadric, planes);
 }
 
 void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, const PolygonShape& shape) {

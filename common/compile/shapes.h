@@ -26,6 +26,7 @@ class ShapeCompiler {
   void add(PartPrimitives& part, const PrimitiveDescription& p, const SphereShape& sphere);
   void add(PartPrimitives& part, const PrimitiveDescription& p, const ConeShape& cone);
   void add(PartPrimitives& part, const PrimitiveDescription& p, const QuadricShape& shape);
+  void add(PartPrimitives& part, const PrimitiveDescription& p, const PatchShape& shape);
   void add(PartPrimitives& part, const PrimitiveDescription& p, const PolygonShape& shape);
   void add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh);  // meshes.cpp
   void add_polygons(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh,
@@ -33,6 +34,8 @@ class ShapeCompiler {
   /// Nothing if the triangle has no area: no ray can hit it.
   std::optional<PrimitiveId> add_triangle(const TriangleVertices& v, const TriangleShading& shading,
                                           const Place& place);
+  void store_quadric(PartPrimitives& part, const PrimitiveDescription& p, Quadric quadric,
+                     std::span<const Vec4> planes);
   void add_quadric(PartPrimitives& part, const PrimitiveDescription& p, Quadric quadric,
                    std::span<const Vec4> planes);
   bool is_luminous(uint32_t material) const;

@@ -77,7 +77,8 @@ bool is_open(const SceneDescription& scene, const ObjectDescription& object) {
       if (!is_closed(*mesh)) return true;
     } else if (const auto* quadric = std::get_if<QuadricShape>(&primitive.shape)) {
       if (!quadric->planes.empty()) return true;
-    } else if (std::holds_alternative<ConeShape>(primitive.shape)) {
+    } else if (std::holds_alternative<ConeShape>(primitive.shape) ||
+               std::holds_alternative<PatchShape>(primitive.shape)) {
       return true;
     }
   }

@@ -23,6 +23,7 @@
 #include "common/scene/participating_medium.h"
 #include "common/scene/scene_block.h"
 #include "common/scene/spectral_color.h"
+#include "common/shapes/bilinear_patch.h"
 #include "common/shapes/polygon.h"
 #include "common/textures/texture.h"
 
@@ -37,7 +38,8 @@ inline constexpr size_t kObjectDepth =
     1000;  ///< in all formats: the tree is walked by functions that call themselves
 inline constexpr size_t kObjects = 1'000'000;
 inline constexpr size_t kPrimitives = 400'000'000;
-inline constexpr size_t kSolidFaces = 250'000;         ///< of a lathe
+inline constexpr size_t kSolidFaces = 250'000;  ///< of a lathe
+inline constexpr size_t kBezierTriangles = 50'000'000;
 inline constexpr size_t kFaceCorners = 2'000'000'000;  ///< of meshes
 inline constexpr size_t kPolygonPoints = 1'000'000;
 inline constexpr size_t kQuadricPlanes = 16;
@@ -132,6 +134,10 @@ struct QuadricShape {
   std::array<double, 10> coefficients{};
   std::vector<Vec4> planes;  ///< (n, d)
 };
+/// A bilinear patch whose corners do not lie in a plane.
+struct PatchShape {
+  PatchCorners corners{};
+};
 struct PolygonShape {
   std::vector<Vec3> points;   ///< coplanar; counter-clockwise seen from the front
   std::vector<Vec3> normals;  ///< empty, or one per point
@@ -170,6 +176,11 @@ struct DeformationDescription {
   std::vector<Target> targets;
 };
 
+/// A name that a mesh's file has for some of its faces.
+struct NamedFaces {
+  std::string name;
+  size_t faces = 0;
+};
 /// Polygons over shared vertices. Positions are float, as stored in the scene block.
 struct MeshShape {
   LargeVector<glm::vec3> positions, normals;
@@ -182,13 +193,14 @@ struct MeshShape {
   LargeVector<glm::uvec3> triangle_uvs;  ///< empty, or one per triangle: indices into uvs
   LargeVector<glm::vec2> second_uvs;     ///< empty, or one per position; polygons have none
   LargeVector<VertexColor> colors;       ///< empty, or one per position
+  std::vector<NamedFaces> names;         ///< of objects and groups of its file, in their order
   Smoothing smoothing = Smoothing::flat;
   /// Null: its shape never changes. Else the mesh has triangles only; its normals are none, or one per
   /// position, and triangles then have those of their corners. A mesh with a skin stands in its skeleton's
   /// space. Objects with such a mesh have no primitives of other kinds.
   std::shared_ptr<const DeformationDescription> deformation;
 };
-using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PolygonShape, MeshShape>;
+using Shape = std::variant<SphereShape, ConeShape, QuadricShape, PatchShape, PolygonShape, MeshShape>;
 
 struct PrimitiveDescription {
   Shape shape;

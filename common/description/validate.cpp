@@ -69,6 +69,9 @@ void check_shape(const SceneDescription& scene, const PrimitiveDescription& prim
     const auto& c = quadric->coefficients;
     if (std::all_of(c.begin(), c.begin() + 9, [](double v) { return v == 0; }))
       fail(scene, at, "the first nine coefficients of a quadric must not all be 0: that is no surface");
+  } else if (const auto* patch = std::get_if<PatchShape>(&primitive.shape)) {
+    if (is_planar(patch->corners))
+      fail(scene, at, "the corners of a patch lie in a plane; make it a polygon");
   } else if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape)) {
     if (mesh->deformation) check_deformation(scene, at, *mesh, sizes);
   } else if (const auto* polygon = std::get_if<PolygonShape>(&primitive.shape)) {

@@ -50,6 +50,22 @@ std::string_view checked_text(const std::string& path, std::string_view bytes) {
   throw IoError(fmt::format("{}: reading failed: {}", path, std::strerror(errno)));
 }
 
+/// Up to `size` bytes from `offset` on; returns how many there are. Throws IoError and Stopped.
+size_t read_bytes(const std::string& path, const RegularFile& opened, size_t offset, size_t size, char* into,
+                  const std::stop_token& stop) {
+  constexpr size_t kPiece = 4 << 20;
+  size_t done = 0;
+  while (done < size) {
+    throw_if_stopped(stop);
+    const ssize_t n = pread(fileno(opened.file.get()), into + done, std::min(kPiece, size - done),
+                            static_cast<off_t>(offset + done));
+    if (n < 0 && errno != EINTR) fail_reading(path);
+    if (n == 0) break;
+    if (n > 0) done += static_cast<size_t>(n);
+  }
+  return done;
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
@@ -73,22 +89,27 @@ std::string read_text_file(const std::string& path, uintmax_t max_bytes, const s
   return text;
 }
 
-FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
-  constexpr size_t kPiece = 4 << 20;
-  const RegularFile opened = open_regular_file(path);
-  require_size(path, opened.size_bytes, max_bytes);
+FileText read_large_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
   FileText result;
-  result.bytes_.reset(static_cast<char*>(allocate_large(opened.size_bytes)));
-  size_t size = 0;
-  for (ssize_t n = 1; n != 0 && size < opened.size_bytes;) {  // what it grows by meanwhile is left out
-    throw_if_stopped(stop);
-    n = read(fileno(opened.file.get()), result.bytes_.get() + size,
-             std::min(kPiece, opened.size_bytes - size));
-    if (n < 0 && errno != EINTR) fail_reading(path);
-    if (n > 0) size += static_cast<size_t>(n);
-  }
-  result.text_ = checked_text(path, {result.bytes_.get(), size});
+  result.path_ = path;
+  result.opened_ = open_regular_file(path);
+  const size_t size = result.opened_.size_bytes;  // what it grows by meanwhile is left out
+  require_size(path, size, max_bytes);
+  result.bytes_.reset(static_cast<char*>(allocate_large(size)));
+  const size_t read = read_bytes(path, result.opened_, 0, size, result.bytes_.get(), stop);
+  result.text_ = {result.bytes_.get(), read};
   return result;
+}
+
+FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
+  FileText result = read_large_file(path, max_bytes, stop);
+  result.text_ = checked_text(path, result.text_);
+  return result;
+}
+
+void FileText::read_again(std::string_view part) {
+  read_bytes(path_, opened_, static_cast<size_t>(part.data() - bytes_.get()), part.size(), place_of(part),
+             {});
 }
 
 }  // namespace rayfarm

@@ -123,7 +123,10 @@ Material principled_at(const Scene& scene, const Material& material, const Surfa
   const PrincipledMaterial& m = scene.principled[material.principled];
   point = eval_principled_point(scene, material, patch);
   Material result = material;
-  set_nearest_coefficients(point, result);
+  if (m.has_coefficients)
+    result.color = point.base;
+  else
+    set_nearest_coefficients(point, result);
   if (const PrincipledSource& emission = m[PrincipledInput::emission]; emission.texture != kNone)
     result.emission *=
         glm::max(scene.head().channels_from_rgb * eval_source(scene, emission, patch), Color(0));

@@ -4,10 +4,17 @@
 #include "common/lighting/eye_rays.h"
 #include "common/lighting/pixel_blocks.h"
 #include "common/lighting/self_hits.h"
+#include "common/math/portable_math.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
 namespace {
+
+/// Exact for whole stops.
+double power_of_two(double stops) {
+  const double whole = std::floor(stops);
+  return std::ldexp(portable_pow(2, stops - whole), static_cast<int>(whole));
+}
 
 constexpr size_t kRaysPerPulse = 64;
 
@@ -30,6 +37,7 @@ class Renderer::Rendering {
         eye_media_(renderer.eye_media_),
         rect_(rect),
         pulse_(pulse),
+        exposure_(power_of_two(settings_.exposure_stops)),
         film_(rect, make_pixel_layout(settings_.pixel_format)) {}
 
   RenderedPixels run() {
@@ -177,7 +185,8 @@ class Renderer::Rendering {
   Color mean(const Color& sum) const { return sum / static_cast<double>(settings_.samples); }
 
   void write(const Pixel& p, const Color& color) {
-    film_.expose(p.x, p.y, std::array{color.x, color.y, color.z});
+    const Color exposed = exposure_ * color;
+    film_.expose(p.x, p.y, std::array{exposed.x, exposed.y, exposed.z});
   }
 
   /// Rays through the corners of a pixel's subpixels, which neighbours share (thesis 2.3.2, 3.4.1). Corners
@@ -322,6 +331,7 @@ class Renderer::Rendering {
   const std::vector<Media>& eye_media_;
   PixelRect rect_;
   const std::function<void()>& pulse_;
+  double exposure_;
   Film film_;
   size_t rays_since_pulse_ = 0;
   RenderedPixels result_;

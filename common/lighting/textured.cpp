@@ -7,6 +7,7 @@
 #include "common/lighting/principled_surface.h"
 #include "common/materials/scattering.h"
 #include "common/math/spherical.h"
+#include "common/shapes/bilinear_patch.h"
 
 namespace rayfarm {
 namespace {
@@ -103,6 +104,7 @@ Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p) {
     case PrimitiveKind::collection:  // of no hit
       break;
   }
+  if (scene.quadrics[index].is_patch) return patch_parameters(scene.planes_of(scene.quadrics[index]), p);
   const Box& box = scene.quadrics[index].bounds;
   const Vec3 d = p - box.center();
   return {longitude(d.x, d.z), (p.y - box.lo.y) / std::max(box.hi.y - box.lo.y, 1e-300)};

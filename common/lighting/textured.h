@@ -12,10 +12,10 @@ inline bool is_textured(const Material& material) {
 }
 
 /// The parameters (u, v) of a primitive at a point in its object's space. Spheres: longitude from the x axis
-/// and height angle about y; quadrics: the same about the middle of their bounds, v along y; quadrilaterals:
-/// the parameters of Ullner's bilinear patch; other polygons: along the first edge and across it, over their
-/// extent; triangles: their mesh's coordinates, or the weights of the second and third vertex; faces: their
-/// mesh's coordinates, or as polygons.
+/// and height angle about y; quadrics: the same about the middle of their bounds, v along y; bilinear patches
+/// and quadrilaterals: the parameters of Ullner's bilinear patch; other polygons: along the first edge and
+/// across it, over their extent; triangles: their mesh's coordinates, or the weights of the second and third
+/// vertex; faces: their mesh's coordinates, or as polygons.
 Vec2 surface_parameters(const Scene& scene, const Hit& hit, const Vec3& p);
 
 /// The second pair of a triangle whose mesh has two, else the same.

@@ -220,7 +220,7 @@ void finish_principled(PrincipledMaterial& principled, Material& material) {
       principled, material, [&](PrincipledInput input) { return principled[input].factor.x; });
   without_textures.base = material.color;
   without_textures.specular_color = principled[PrincipledInput::specular_color].factor;
-  set_nearest_coefficients(without_textures, material);
+  if (!principled.has_coefficients) set_nearest_coefficients(without_textures, material);
   material.kind = MaterialKind::principled;
   material.is_pierced = opacity.texture != kNone || opacity.factor.x < whole || principled.is_one_sided != 0;
   if (material.is_unlit) material.emission = material.color;

@@ -49,6 +49,10 @@ struct PrincipledMaterial {
   double cutoff = 0;
   uint32_t is_one_sided = 0;  ///< 1: rays from behind do not meet it
   uint32_t has_textures = 0;  ///< 1: of anything but opacity
+  /// 1: in classical models, and zones, its Material's coefficients scatter, and only its colour is the base
+  /// colour; 0: those that are nearest to the parameters.
+  uint32_t has_coefficients = 0;
+  uint32_t padding = 0;
 
   PrincipledSource& operator[](PrincipledInput input) { return sources[static_cast<size_t>(input)]; }
   const PrincipledSource& operator[](PrincipledInput input) const {
@@ -57,8 +61,8 @@ struct PrincipledMaterial {
 };
 /// Of a material that nobody describes further: a grey plastic.
 PrincipledMaterial usual_principled();
-/// For loaders, at the end: makes `material`, whose colours, index and bits is_solid and is_unlit are set,
-/// one of these parameters. What else follows from them is set in both.
+/// For loaders, at the end: makes `material`, whose colours, index and bits is_solid and is_unlit are set
+/// (with has_coefficients these, too), one of these parameters. What else follows from them is set in both.
 void finish_principled(PrincipledMaterial& principled, Material& material);
 
 /// Its parameters where a ray meets it.

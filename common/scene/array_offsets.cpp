@@ -65,7 +65,7 @@ void shift(Polygon& polygon, const ArrayOffsets& o) {
 }
 
 void shift(Quadric& quadric, const ArrayOffsets& o) {
-  auto& [origin, a, b, c, square_bound, rest_bound, first_plane, plane_count, material, padding, bounds] =
+  auto& [origin, a, b, c, square_bound, rest_bound, first_plane, plane_count, material, is_patch, bounds] =
       quadric;
   first_plane += o.quadric_planes;
   material += o.materials;
@@ -175,7 +175,7 @@ void shift(Material& m, const ArrayOffsets& o) {
 }
 
 void shift(PrincipledMaterial& m, const ArrayOffsets& o) {
-  auto& [sources, ior, cutoff, is_one_sided, has_textures] = m;
+  auto& [sources, ior, cutoff, is_one_sided, has_textures, has_coefficients, unused] = m;
   for (PrincipledSource& source : sources) {
     auto& [factor, texture, channel, u_row, v_row, uv_set, padding] = source;
     shift(texture, o.textures);

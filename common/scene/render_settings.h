@@ -82,6 +82,9 @@ enum class AmbientColour : uint8_t { surface, light };
 /// The most rays of one lobe: rays that a surface reflects, or transmits.
 inline constexpr uint32_t kMostLobeRays = 1000;
 
+/// Of pictures, brighter or darker.
+inline constexpr double kMostExposure_stops = 64;
+
 /// The depth of paths if nothing else is asked for: roulette ends nearly all long before.
 inline constexpr uint32_t kPathDepth = 100;
 /// The greatest depth that can be asked for.
@@ -97,6 +100,7 @@ struct RenderSettings {
   FilterKind filter = FilterKind::box;
   ColourModel colour = ColourModel::rgb;
   std::vector<double> colour_nodes_nm;  ///< of the spectral model; none: the scene's
+  double exposure_stops = 0;            ///< pictures hold 2^stops times the light that there is
   double shutter = 0;                   ///< how long it is open, in frames
   uint32_t samples = 1;                 ///< per pixel; 1 where rays go through corners
   Subpixels subpixels;                  ///< other than one only where rays go through corners
@@ -134,7 +138,7 @@ struct RenderSettings {
   void serialize(Archive& archive) {
     auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
     archive(width_px, height_px, crop, fit, lighting, colour, pixel_format, seed);
-    archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast);
+    archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast, exposure_stops);
     archive(max_reflections, max_transmissions, max_depth, min_weight);
     archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
     archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);

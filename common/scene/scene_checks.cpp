@@ -57,6 +57,7 @@ void check_primitives(const Scene& s) {
   for (const Quadric& q : s.quadrics) {
     material(q.material);
     planes.take(q.first_plane, q.plane_count);
+    require(q.is_patch == 0 || (q.is_patch == 1 && q.plane_count == 4), "a bilinear patch");
   }
 }
 

@@ -33,10 +33,10 @@ void check_settings(const RenderSettings& settings) {
       settings.diffuse_rays < 1 || !is_of_lobe(settings.reflected_rays) ||
       !is_of_lobe(settings.transmitted_rays) || settings.max_depth < 1 || settings.max_depth > kMostDepth ||
       settings.max_reflections >= kMostDepth || settings.max_transmissions >= kMostDepth ||
-      !std::isfinite(settings.shutter) || !std::isfinite(settings.diffuse_reach) ||
-      !std::isfinite(settings.diffuse_contrast) || !(settings.min_weight >= 0) || !(settings.shutter >= 0) ||
-      !(settings.adaptive_contrast >= 0) || !(settings.diffuse_reach >= 0) ||
-      !(settings.diffuse_contrast >= 0))
+      !(std::abs(settings.exposure_stops) <= kMostExposure_stops) || !std::isfinite(settings.shutter) ||
+      !std::isfinite(settings.diffuse_reach) || !std::isfinite(settings.diffuse_contrast) ||
+      !(settings.min_weight >= 0) || !(settings.shutter >= 0) || !(settings.adaptive_contrast >= 0) ||
+      !(settings.diffuse_reach >= 0) || !(settings.diffuse_contrast >= 0))
     throw SettingsError("a number among the settings is out of range");
   if (!(settings.item_radius_px >= kLeastItemRadius_px && settings.item_radius_px <= kMostItemRadius_px))
     throw SettingsError(fmt::format("corners tell of samples {:g} to {:g} pixels away (--item-radius)",
@@ -59,8 +59,8 @@ void check_settings(const RenderSettings& settings) {
   if (!(zones.size == 0 || (zones.size >= 1e-12 && zones.size <= 1e12)) || zones.rays < 1 ||
       zones.rays > kMostZoneRays || zones.samples < 1 || zones.samples > 65536 || zones.batch < 1 ||
       zones.batch > 1 << 20 || !(zones.tolerance >= 1e-9 && zones.tolerance <= 1) ||
-      zones.hemicube_cells < 2 || zones.hemicube_cells > 4096 ||
-      !(zones.most_GiB >= 0.001 && zones.most_GiB <= 1024))
+      zones.hemicube_cells < 2 || zones.hemicube_cells > 4096 || zones.gather_rays < 1 ||
+      zones.gather_rays > kMostGatherRays || !(zones.most_GiB >= 0.001 && zones.most_GiB <= 1024))
     throw SettingsError("a number among the settings of zones is out of range");
   if (const uint64_t directions = diffuse_directions_of(settings); directions > kMostDiffuseDirections)
     throw SettingsError(fmt::format(

@@ -8,14 +8,6 @@
 namespace rayfarm {
 namespace {
 
-void set_bounds_of_terms(Quadric& q) {
-  double largest = 0;
-  for (const double v : q.a) largest = std::max(largest, std::abs(v));
-  // 2 b·x is at most x² + b², for any unit of length.
-  q.square_bound = 4 * largest;
-  q.rest_bound = std::abs(q.c) + (largest > 0 ? glm::dot(q.b, q.b) / largest : 0);
-}
-
 /// The real roots of a t² + 2 b t + c = 0 in increasing order; at most two. Numerically stable form.
 int solve(double a, double b, double c, double roots[2], double& discriminant) {
   discriminant = b * b - a * c;
@@ -82,6 +74,14 @@ std::optional<Line> meet(const Vec3& n0, double d0, const Vec3& n1, double d1) {
 }
 
 }  // namespace
+
+void set_bounds_of_terms(Quadric& q) {
+  double largest = 0;
+  for (const double v : q.a) largest = std::max(largest, std::abs(v));
+  // 2 b·x is at most x² + b², for any unit of length.
+  q.square_bound = 4 * largest;
+  q.rest_bound = std::abs(q.c) + (largest > 0 ? glm::dot(q.b, q.b) / largest : 0);
+}
 
 Quadric make_quadric(const std::array<double, 10>& k, const Vec3& origin) {
   Quadric q;

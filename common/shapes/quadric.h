@@ -20,7 +20,7 @@ struct Quadric {
   uint32_t first_plane = 0;
   uint32_t plane_count = 0;
   uint32_t material = 0;
-  uint32_t padding = 0;
+  uint32_t is_patch = 0;  ///< 1: a bilinear patch, whose (u, v) its planes tell (bilinear_patch.h)
   Box bounds;
 
   Vec3 multiply(const Vec3& v) const {
@@ -34,6 +34,9 @@ struct Quadric {
   /// Half the gradient: points outward where the equation's sign is negative inside.
   Vec3 gradient(const Vec3& p) const { return multiply(p - origin) + b; }
 };
+
+/// What the bounds of its terms are, from a, b and c.
+void set_bounds_of_terms(Quadric& quadric);
 
 /// From the ten coefficients (x² y² z² 2xy 2xz 2yz 2x 2y 2z 1) about the world's origin, moved to `origin`.
 Quadric make_quadric(const std::array<double, 10>& coefficients, const Vec3& origin);

@@ -60,6 +60,11 @@ const Option& Option::required() const {
   return *this;
 }
 
+const Option& Option::for_users() const {
+  option_->configurable(false);
+  return *this;
+}
+
 const Option& Option::read_first() const {
   option_->trigger_on_parse();
   return *this;

@@ -41,6 +41,8 @@ class Option {
   explicit Option(CLI::Option* option) : option_(option) {}
   /// It must be given.
   const Option& required() const;
+  /// Scenes can't ask for it, whatever its group says.
+  const Option& for_users() const;
   /// It is taken up before those without this, wherever it stands: they change what it sets.
   const Option& read_first() const;
 

@@ -28,6 +28,17 @@ std::string text_of(const PrimitiveCounts& counts) {
   return text;
 }
 
+/// Of objects and groups in a mesh's file.
+void print_names(const MeshShape& mesh, size_t depth, size_t& lines_left) {
+  for (const NamedFaces& name : mesh.names) {
+    if (lines_left == 0) return;
+    if (--lines_left == 0)
+      fmt::print("  …\n");
+    else
+      fmt::print("  {:{}}{}: faces {}\n", "", 2 * depth, name.name, name.faces);
+  }
+}
+
 void print_tree(const SceneDescription& scene, uint32_t object, size_t depth, size_t& lines_left) {
   if (lines_left == 0) return;
   if (--lines_left == 0) {
@@ -40,6 +51,10 @@ void print_tree(const SceneDescription& scene, uint32_t object, size_t depth, si
              o.children.empty()
                  ? ""
                  : fmt::format(" ({} child{})", o.children.size(), o.children.size() == 1 ? "" : "ren"));
+  for (const PrimitiveDescription& p : o.primitives) {
+    const auto* mesh = std::get_if<MeshShape>(&p.shape);
+    if (mesh) print_names(*mesh, depth + 1, lines_left);
+  }
   for (const ChildDescription& child : o.children) print_tree(scene, child.object, depth + 1, lines_left);
 }
 

@@ -73,6 +73,8 @@ void add_picture(Options& options, RenderOptions& o) {
   options.text(
       "--crop", [&o](const std::string& text) { o.crop = parse_numbers<4>(text, ',', "x0,x1,y0,y1"); },
       "render only these pixels; x1 and y1 are excluded", "x0,x1,y0,y1");
+  options.number("--exposure", o.settings.exposure_stops, -kMostExposure_stops, kMostExposure_stops,
+                 "stops by which the picture is brighter than the light that the scene has (default: 0)");
   options.begin_group("Picture");
   options.choice<PixelFormat>(
       "--pixel-format", o.pixel_format,

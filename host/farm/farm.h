@@ -12,9 +12,11 @@ namespace rayfarm {
 struct Farm {
   Transport& transport;
   int ranks = 1;
-  /// Gives every node the scene's block; the bytes may go when it returns unless the farm is local. Ends the
-  /// process if `names_the_gone` names a node.
-  std::function<void(std::span<const std::byte> block, const std::function<void(const std::string&)>& warn,
+  /// Gives every node the scene's block; the bytes may go when it returns unless the farm is local, and
+  /// those before `sent` when that is called, which it is now and then. Ends the process if `names_the_gone`
+  /// names a node.
+  std::function<void(std::span<const std::byte> block, const std::function<void(size_t sent)>& is_sent,
+                     const std::function<void(const std::string&)>& warn,
                      const std::function<std::string()>& names_the_gone)>
       load_data;
   /// Waits until no node needs the block any more. Only of a local farm; it is called when the job is over.

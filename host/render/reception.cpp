@@ -46,11 +46,11 @@ class SceneLoading {
     BuildOptions build = options.build;
     build.progress = building;
     build.stop = std::move(stop);
-    loaded.compiled = compile(loaded.description, build);
-    loaded.build_s = now_s() - begin - loaded.load_s;
     if (loaded.options.settings.self_hit == SelfHit::medium)
       loaded.open_objects = find_open_objects(loaded.description);
+    loaded.compiled = compile_away(loaded.description, build);
     for (ObjectDescription& object : loaded.description.objects) object.primitives = {};  // they are compiled
+    loaded.build_s = now_s() - begin - loaded.load_s;
     return loaded;
   }
 

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "common/memory/large_vector.h"
 #include "common/scene/camera.h"
 #include "host/bake/bake.h"
 #include "host/farm/dismissal.h"
@@ -236,9 +237,23 @@ class Render {
 
     const double broadcast_begin = now_s();
     farm_.transport.broadcast(Channel::command, encode_load_code(encode_plan(plan)));
+    // Zones and files of baked light look at the scene here, too; else the host has no use for it any more,
+    // and its bytes go as the nodes' copies come.
+    const bool is_spent =
+        !farm_.transport.is_one_process() && !options_.bake && !farm_options.zones.make_solver;
+    SceneBlock& block = loaded_->compiled.block;
+    if (is_spent) loaded_->compiled.scene = {};
+    size_t released = 0;
     farm_.load_data(
-        loaded_->compiled.block.bytes(), [this](const std::string& text) { log_->warn(text); },
-        roll_call.make_node_witness());
+        block.bytes(),
+        [&](size_t sent) {
+          constexpr size_t kStep = 16 << 20;
+          if (!is_spent || (sent < released + kStep && sent < block.size)) return;
+          release_pages(block.data.get() + released, sent - released);
+          released = sent;
+        },
+        [this](const std::string& text) { log_->warn(text); }, roll_call.make_node_witness());
+    if (is_spent) block = {};
     is_loaded_ = true;
     result_.times.broadcast_s = now_s() - broadcast_begin;
     log_->debug("the scene is loaded everywhere; tracing begins");

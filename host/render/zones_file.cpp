@@ -84,6 +84,7 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
   s.samples = usual.samples;
   s.subpixels = usual.subpixels;
   s.filter = usual.filter;
+  s.exposure_stops = usual.exposure_stops;
   s.shutter = usual.shutter;
   s.adaptive_contrast = usual.adaptive_contrast;
   s.diffuse_rays = usual.diffuse_rays;
@@ -110,6 +111,7 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
     s.zones.hemicube_cells = usual.zones.hemicube_cells;
   if (!is_matrix) s.zones.form_factors = usual.zones.form_factors;
   s.zones.view = usual.zones.view;
+  s.zones.gather_rays = usual.zones.gather_rays;
   s.zones.batch = usual.zones.batch;
   s.zones.most_GiB = usual.zones.most_GiB;
   return s;

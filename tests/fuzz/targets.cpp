@@ -72,6 +72,18 @@ constexpr const char* kObj =
 constexpr const char* kMtl =
     "newmtl a\nKd 1 .5 0\nKs .2 .2 .2\nNs 20\nillum 3\nd 0.5\nNi 1.5\nmap_Kd -o 0.1 0 -s 2 2 t.png\nKe 0 0 "
     "0\n";
+constexpr const char* kSmoothObj =
+    "mtllib a.mtl\nv 0 0 0 1 .5 0\nv 1 0 \\\n0\nv 1 1 0 255 0 1\nv 0 1 3.1+e0\ns 1\nf 1// 2/ 3\ns 2\nf 1 3 4 "
+    "# end\n"
+    "s off\nusemtl a\nfo +1 3 2\n";
+constexpr const char* kPhysicalMtl =
+    "newmtl a\nKd 1 .5 0\nPr .3\nPm 1\nPc .5\nPcr .1\nKs .5 .5 .5\nmap_Pr -imfchan g -clamp on t.png\nmap_Pm "
+    "t.png\n"
+    "norm -bm .5 t.png\nmap_Ke t.png\n";
+constexpr const char* kGlassMtl =
+    "newmtl a\nKd 0 0 0\nKs 1 1 1\nillum 7\nTr .9\nTf 1 .5 1\nmap_Bump t.png -bm 2\nmap_Ks t.png\nnewmtl "
+    "b\nKd 1 1 1\n"
+    "Ns 90\nd .5\nmap_d t.png\n";
 constexpr const char* kYamlMesh =
     "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{mesh: {file: a.obj, smooth: phong}}]\n";
 constexpr const char* kYamlPart =
@@ -261,18 +273,41 @@ std::vector<Target> make_targets(const std::string& path) {
          cut_obj(bytes, folder.write("a.obj", bytes));
          render_file(folder.write("obj.yaml", kYamlMesh));
        },
-       {kObj},
-       {"f ", "v ", "vn ", "vt ", "/", "//", "-1", "99999999999", "\n", "\\\n", "usemtl b\n", "nan", "1e39",
-        "+1", "mtllib a.mtl\n", "f 1 2 3 4 3 2 1\n", "l 1 2\n"}},
+       {kObj, kSmoothObj},
+       {"f ",
+        "v ",
+        "vn ",
+        "vt ",
+        "/",
+        "//",
+        "-1",
+        "99999999999",
+        "\n",
+        "\\\n",
+        "usemtl b\n",
+        "nan",
+        "1e39",
+        "+1",
+        "mtllib a.mtl\n",
+        "f 1 2 3 4 3 2 1\n",
+        "l 1 2\n",
+        "s off\n",
+        "s 2\n",
+        " 1 .5 0\n",
+        "3.1+e2",
+        "# \\\n",
+        "fo "}},
       {"mtl",
        [folder](const std::string& bytes) {
          folder.write("a.obj", kObj);
          folder.write("a.mtl", bytes);
          render_file(folder.write("mtl.yaml", kYamlMesh));
        },
-       {kMtl},
-       {"newmtl a\n", "map_Kd ", "-o ", "-s 1 ", "-bm ", "t.png\n", "nan", "Kd ", "Ns 1e39\n", "illum 99\n",
-        "\n", "Ke 9 9 9\n", "d -1\n", "Ni 0\n"}},
+       {kMtl, kPhysicalMtl, kGlassMtl},
+       {"newmtl a\n", "map_Kd ",   "-o ",        "-s 1 ",      "-bm ",        "t.png\n", "nan",
+        "Kd ",        "Ns 1e39\n", "illum 99\n", "\n",         "Ke 9 9 9\n",  "d -1\n",  "Ni 0\n",
+        "map_Bump ",  "norm ",     "map_d ",     "-clamp on ", "-imfchan r ", "Pr .5\n", "Pm 1\n",
+        "Tf 0 1 2\n", "illum 7\n", "\\\n",       "-s 1e30 ",   "-o 1e300 ",   "1e38"}},
       {"gltf",
        [folder](const std::string& bytes) {
          render_file(folder.write(bytes.starts_with("glTF") ? "in.glb" : "in.gltf", bytes));

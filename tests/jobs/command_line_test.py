@@ -244,5 +244,69 @@ class Usage(JobTest):
                     environment=ENVIRONMENT | {"SLURM_NTASKS": "4"})
 
 
+
+VIEW = "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\n"
+BALL = "lights: [{position: [3, 3, 5]}]\nscene: [{sphere: {center: [0, 0, 0], radius: 1}}]\n"
+
+
+class SceneChoices(JobTest):
+    """`render` in a scene: options of the command line that count where that does not have them."""
+
+    def bytes_of(self, scene, *arguments):
+        picture = self.folder / "picture.png"
+        picture.unlink(missing_ok=True)
+        result = self.run_alone("render", scene, "-o", picture, "-q", *arguments)
+        self.assertEqual(result.code, 0, result.stderr)
+        return picture.read_bytes()
+
+    def test_a_scene_looks_as_it_asks_and_the_command_line_has_the_last_word(self):
+        plain = self.write("plain.yaml", VIEW + BALL)
+        scene = self.write("scene.yaml", VIEW + BALL + "render: {lighting: path, samples: 4, size: [40, 30], max_depth: 3, filter: tent, exposure: 1.5}\n")
+        asked = ["--lighting", "path", "--samples", "4", "--size", "40x30", "--max-depth", "3", "--filter", "tent", "--exposure", "1.5"]
+        self.assertEqual(self.bytes_of(scene), self.bytes_of(plain, *asked))
+        self.assertEqual(self.bytes_of(scene, "--spp", "9", "--lighting=phong", "--max-depth", "5"),
+                         self.bytes_of(plain, *asked[4:6], *asked[8:], "--samples", "9", "--lighting", "phong", "--max-depth", "5"))
+        self.assertNotEqual(self.bytes_of(scene), self.bytes_of(scene, "--seed", "1"))
+        picture = self.folder / "farm.png"
+        self.assertEqual(self.run_farm(3, "render", scene, "-o", picture, "-q").code, 0)
+        self.assertEqual(picture.read_bytes(), self.bytes_of(scene))
+        self.assertRegex(self.run_alone("info", scene).stdout, r"render, where the command line says nothing else\n  lighting path\n  samples 4\n  size 40x30\n")
+
+    def test_what_is_given_may_need_what_the_scene_asks_for(self):
+        scene = self.write("scene.yaml", VIEW + BALL + "render: {samples: 4, size: 40x30}\n")
+        plain = self.write("plain.yaml", VIEW + BALL)
+        self.assertEqual(self.bytes_of(scene, "--adaptive", "0.1"),
+                         self.bytes_of(plain, "--samples", "4", "--size", "40x30", "--adaptive", "0.1"))
+        for needy in (plain, self.write("none.yaml", "# render nothing\n" + VIEW + BALL)):
+            result = self.run_alone("render", needy, "-o", self.folder / "a.png", "--adaptive", "0.1")
+            self.assertEqual(result.code, 2, result.stderr)
+            self.assertIn("--adaptive chooses where more than one sample", result.stderr)
+
+    def test_wrong_choices_have_their_place(self):
+        for render, place, problem in (("{sampels: 4}", ":4:18", "did you mean 'samples'"), ("{samples: 0}", ":4:18", "--samples"),
+                                       ("{frames: 1}", ":4:17", "on the command line"), ("{lighting: paths}", ":4:19", "choose path|"),
+                                       ("{lighting: path, adaptive: 1, samples: 4}", ":4:19", "--adaptive compares"),
+                                       ("{samples: {a: 1}}", ":4:19", "a value was expected"), ("[1]", ":4:9", "must be a map")):
+            scene = self.write("scene.yaml", VIEW + BALL + f"render: {render}\n")
+            for command in (["check", scene], ["render", scene, "-o", self.folder / "a.png"]):
+                result = self.run_alone(*command)
+                self.assertEqual(result.code, 3, result.stderr)
+                self.assertRegex(result.stderr, r"scene\.yaml:\d+:\d+: ")
+                self.assertIn(problem, result.stderr)
+        self.assertEqual(self.leftovers(), [])
+
+    def test_exposure_scales_what_pictures_hold(self):
+        for name, background, stops in (("dim", 0.25, 1), ("bright", 0.5, 0)):
+            scene = self.write(f"{name}.yaml", VIEW + f"background: {background}\nscene: []\n")
+            self.assertEqual(self.run_alone("render", scene, "-o", self.folder / f"{name}.exr", "--size", "8x8", "-q", "--exposure", stops).code, 0)
+        result = self.run_alone("compare", self.folder / "dim.exr", self.folder / "bright.exr")
+        self.assertEqual(result.code, 0, result.stdout + result.stderr)
+
+    def test_what_does_not_take_them_says_so(self):
+        scene = self.write("scene.yaml", VIEW + BALL + "render: {samples: 4}\n")
+        result = self.run_alone("bake", scene, "-o", self.folder / "a.glb", "--zone-rays", "100", "--zone-size", "1")
+        self.assertIn("scene.yaml:4:19: `render` is for `rayfarm render`, and does nothing here", result.stderr)
+
+
 if __name__ == "__main__":
     main()

@@ -1,148 +1,27 @@
-// OBJ and MTL files: what they say is used, or noted.
+// OBJ files: what they say is used, or noted.
+#include "tests/unit/mesh_files.h"
+
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <thread>
-
-#include "common/scene/light.h"
-#include "tests/unit/test_scene.h"
 
 namespace rayfarm {
 namespace {
 
+using test::error_of_mesh;
+using test::expect_note;
+using test::kFace;
+using test::kTriangle;
+using test::load_mesh;
+using test::mesh_of;
+using test::notes_of;
 using test::write_temporary;
 
-const std::string kYaml = test::view_text() + "scene: [{mesh: {file: mesh.obj}}]\n";
-
-/// Loads mesh.obj with its library mesh.mtl.
-SceneDescription load_mesh(const std::string& obj, const std::string& mtl = "") {
-  write_temporary("mesh.mtl", mtl);
-  write_temporary("mesh.obj", obj);
-  return test::load_yaml(kYaml);
-}
-std::string error_of_mesh(const std::string& obj, const std::string& mtl = "") {
-  write_temporary("mesh.mtl", mtl);
-  write_temporary("mesh.obj", obj);
-  return test::error_of(kYaml);
-}
-std::string notes_of(const SceneDescription& scene) {
-  std::string text;
-  for (const std::string& line : scene.notes.lines()) text += line + "\n";
-  return text;
-}
-void expect_note(const SceneDescription& scene, const std::string& place, const std::string& text) {
-  for (const std::string& line : scene.notes.lines())
-    if (line.find(place) != std::string::npos && line.find(text) != std::string::npos) return;
-  ADD_FAILURE() << "no note '" << text << "' at " << place << " in:\n" << notes_of(scene);
-}
-const MeshShape& mesh_of(const SceneDescription& scene) {
-  return std::get<MeshShape>(scene.objects.at(scene.root).primitives.at(0).shape);
-}
-
-const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n";
-const std::string kFace = "f 1/1 2/2 3/3\n";
-
-/// An image of two pixels, red and green.
-void write_two_colours(const std::string& name) {
-  Image image{2, 1, {0, 0, 2, 1}, make_pixel_layout(PixelFormat::rgb8), {}};
-  for (const int value : {255, 0, 0, 0, 255, 0}) image.pixels.push_back(static_cast<std::byte>(value));
-  write_image(write_temporary(name, ""), image, {});
-}
-
-TEST(MtlLoader, MapsOfColourAreUsed) {
-  write_two_colours("two colours.png");
-  const SceneDescription scene =
-      load_mesh("mtllib mesh.mtl\nusemtl plain\n" + kTriangle + kFace + "usemtl moved\n" + kFace +
-                    "usemtl same\n" + kFace,
-                "newmtl plain\nKd 0.5 0.5 0.5\nmap_Kd .\\two colours.png\n"
-                "newmtl moved\nmap_Kd -o 0.5 -s 2 -1 1 -clamp off two colours.png\n"
-                "newmtl same\nKd 1 0 0\nmap_Kd two colours.png\n");
-  EXPECT_EQ(notes_of(scene), "");
-  EXPECT_EQ(scene.files.size(), 5u);
-  ASSERT_EQ(scene.textures.size(), 2u) << "an image in the same place is read once";
-  const CompiledScene compiled = compile(scene);
-  const Scene& s = compiled.scene;
-  const auto material = [&](size_t triangle) { return s.materials[s.triangle_shading[triangle].material]; };
-  EXPECT_EQ(material(0).color, Color(0.5));
-  EXPECT_EQ(material(1).color, Color(1));
-  EXPECT_EQ(material(2).color, Color(1, 0, 0));
-  EXPECT_EQ(material(0).texture, material(2).texture);
-  const auto at = [&](size_t triangle, const Vec2& uv) {
-    return eval_texture(s.textures[material(triangle).texture], s.texels, {{}, uv, 0, 0});
-  };
-  EXPECT_EQ(at(0, {0.25, 0.5}), Color(1, 0, 0));
-  EXPECT_EQ(at(0, {0.75, 0.5}), Color(0, 1, 0));
-  EXPECT_EQ(at(1, {0.125, 0.5}), Color(0, 1, 0)) << "0.125 · 2 + 0.5 = 0.75";
-  EXPECT_EQ(at(1, {0.375, 0.5}), Color(1, 0, 0));
-}
-
-TEST(MtlLoader, NamesThatBeginAsNumbersDoAreNames) {
-  write_two_colours("2nd.png");
-  const SceneDescription scene =
-      load_mesh("mtllib mesh.mtl\nusemtl a\n" + kTriangle + kFace, "newmtl a\nmap_Kd -s 2 3 2nd.png\n");
-  ASSERT_EQ(scene.textures.size(), 1u);
-  EXPECT_EQ(scene.textures[0].scale, Vec3(1.0 / 2, 1.0 / 3, 1));
-}
-
-TEST(MtlLoader, WrongMapsEndInAnErrorAtTheirPlace) {
-  const auto expect = [](const std::string& mtl, const std::string& place, const std::string& problem) {
-    const std::string error = error_of_mesh("mtllib mesh.mtl\n" + kTriangle + kFace, mtl);
-    EXPECT_NE(error.find(place), std::string::npos) << mtl << error;
-    EXPECT_NE(error.find(problem), std::string::npos) << error;
-  };
-  expect("newmtl a\nmap_Kd -s 2 2 2 none.png\n", "mesh.mtl:2:17:", "none.png: no such file");
-  expect("newmtl a\nmap_Kd -s 0 1 1 none.png\n", "mesh.mtl:2:", "must not be 0");
-  expect("newmtl a\nmap_Kd -z 1 none.png\n", "mesh.mtl:2:8:", "unknown option '-z'");
-  expect("newmtl a\nmap_Kd\n", "mesh.mtl:2:", "names no file");
-  expect("newmtl a\nKd 1 x 0\n", "mesh.mtl:2:6:", "found 'x'");
-  expect("newmtl a\nKd spectral a.rfl\n", "mesh.mtl:2:4:", "spectral");
-  expect("newmtl a\nNs -1\n", "mesh.mtl:2:4:", "0 or more");
-  const std::string missing = error_of_mesh("mtllib none.mtl\n" + kTriangle + kFace);
-  EXPECT_NE(missing.find("mesh.obj:1:8:"), std::string::npos) << missing;
-  EXPECT_NE(missing.find("none.mtl: no such file"), std::string::npos) << missing;
-}
-
-TEST(MtlLoader, WhatIsNotUsedIsNotedOnce) {
-  const SceneDescription scene = load_mesh("mtllib mesh.mtl\n" + kTriangle + kFace,
-                                           "Kd 1 1 1\n"            // 1
-                                           "newmtl a\n"            // 2
-                                           "Kd 1 1 1\n"            // 3
-                                           "Ka 1 1 1\n"            // 4
-                                           "map_Bump b.png\n"      // 5
-                                           "Pr 0.5\n"              // 6
-                                           "Kdd 1 1 1\n"           // 7
-                                           "d 0.5\n"               // 8
-                                           "Ke 0 0 0\nTf 1 1 1\n"  // 9, 10
-                                           "newmtl b\n"            // 11
-                                           "Kd 1 1 1\n"            // 12
-                                           "Ka 1 1 1\n"            // 13
-                                           "d 0.5\nTr 0.4\n"       // 14, 15
-                                           "illum 7\n"             // 16
-                                           "Ks 1 0.5 0\n"          // 17
-                                           "map_d b.png\n"         // 18
-                                           "newmtl a\n"            // 19
-                                           "newmtl black\n");      // 20
-  expect_note(scene, "mesh.mtl:1:", "before the first `newmtl`");
-  expect_note(scene, "mesh.mtl:2:", "is opaque");
-  expect_note(scene, "mesh.mtl:4:", "`Ka` is not used");
-  expect_note(scene, "mesh.mtl:5:", "`map_Bump` is not used");
-  expect_note(scene, "mesh.mtl:6:", "`Pr` is not used");
-  expect_note(scene, "mesh.mtl:7:", "did you mean 'Kd'?");
-  expect_note(scene, "mesh.mtl:11:", "`Tr` 0.4 of material 'b' is not used");
-  expect_note(scene, "mesh.mtl:17:", "the colour of `Ks` is not used");
-  expect_note(scene, "mesh.mtl:18:", "`map_d` is not used");
-  expect_note(scene, "mesh.mtl:19:", "material 'a' is defined twice");
-  expect_note(scene, "mesh.mtl:20:", "has no `Kd`");
-  EXPECT_EQ(notes_of(scene).find("mesh.mtl:13:"), std::string::npos);
-  EXPECT_EQ(notes_of(scene).find("`Ke` is"), std::string::npos);
-  EXPECT_EQ(notes_of(scene).find("`Tf`"), std::string::npos);
-}
-
-TEST(MtlLoader, WhatShinesIsALight) {
-  const CompiledScene compiled = compile(load_mesh("mtllib mesh.mtl\nusemtl lamp\n" + kTriangle + kFace,
-                                                   "newmtl lamp\nKd 0.5 0.5 0.5\nKe 3 2 1\n"));
-  ASSERT_EQ(compiled.scene.lights.size(), 1u);
-  EXPECT_EQ(compiled.scene.lights[0].kind, LightKind::luminaire);
-  EXPECT_EQ(compiled.scene.materials[compiled.scene.lights[0].material].emission, Color(3, 2, 1));
+TEST(ObjLoader, ALibraryThatIsMissingIsNoted) {
+  const SceneDescription scene = load_mesh("mtllib none.mtl\n" + kTriangle + "usemtl a\n" + kFace);
+  expect_note(scene, "mesh.obj:1:8:", "none.mtl: no such file");
+  expect_note(scene, "mesh.obj:8:", "`usemtl`");
 }
 
 TEST(ObjLoader, NumbersMayHaveASign) {
@@ -156,10 +35,70 @@ TEST(ObjLoader, NumbersMayHaveASign) {
 }
 
 TEST(ObjLoader, WrongCornersHaveAPlace) {
-  for (const char* wrong : {"0", "x", "1/", "1//", "1/x", "1/1/1/1", "1.5", "9"}) {
+  for (const char* wrong : {"0", "x", "/1", "1/x", "1/1/1/1", "1.5", "+-1", "9"}) {
     const std::string error = error_of_mesh(kTriangle + "\r\n# a comment\nf 1 2 3\nf 1 2 " + wrong + "\n");
     EXPECT_NE(error.find("mesh.obj:10:"), std::string::npos) << wrong << ": " << error;
   }
+}
+
+TEST(ObjLoader, OddFormsAreRead) {
+  const SceneDescription scene = load_mesh(
+      "v 0 0 3.1+e2\nv 1 \\\n0 0 \\\r\n1\nv 0 1 0 # three\n# a comment \\\nf +1/ 2// 3/1 # none\nvt 0 0\nfo "
+      "1 \\\n 2 3\n");
+  EXPECT_EQ(mesh_of(scene).positions.size(), 3u);
+  EXPECT_EQ(mesh_of(scene).positions[0], glm::vec3(0, 0, 3.1f));
+  EXPECT_EQ(mesh_of(scene).positions[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(mesh_of(scene).triangles.size(), 2u);
+  expect_note(scene, "mesh.obj:1:", "an exponent whose sign stands before its `e`");
+  EXPECT_EQ(scene.notes.lines().size(), 1u) << notes_of(scene);
+  const std::string error = error_of_mesh("v 0 0 0\nv 1 \\\n 0 \\\n  x\nf 1 1 1\n");
+  EXPECT_NE(error.find("mesh.obj:4:3: expected a finite number, found 'x'"), std::string::npos) << error;
+}
+
+TEST(ObjLoader, VerticesMayHaveColours) {
+  const std::string faces = "v 1 1 1\nf 1 2 3\nf 1 2 4\n";
+  const SceneDescription scene = load_mesh("v 0 0 0 1 0.5 0\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\n" + faces);
+  EXPECT_EQ(notes_of(scene), "");
+  const MeshShape& mesh = mesh_of(scene);
+  ASSERT_EQ(mesh.colors.size(), 4u);
+  EXPECT_EQ(mesh.colors[0], make_vertex_color({1, decode_srgb(0.5), 0}));
+  EXPECT_EQ(mesh.colors[3], kWhiteVertex) << "of vertices without one";
+  const SceneDescription bytes = load_mesh("v 1 1 1\nv 0 0 0 255 127.5 0\nv 1 0 0 0 0 0\n" + faces);
+  EXPECT_EQ(mesh_of(bytes).colors[1], mesh.colors[0]);
+  EXPECT_EQ(mesh_of(bytes).colors[0], kWhiteVertex);
+}
+
+/// Two squares that meet at a right angle, each as two triangles.
+TEST(ObjLoader, SmoothingGroupsAreObeyed) {
+  const std::string corner = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 0 1 1\n";
+  const std::string floor = "f 1 2 3 4\n", wall = "f 1 4 6\nf 1 6 5\n";
+  const SceneDescription apart = load_mesh(corner + "s 1\n" + floor + "s 2\n" + wall);
+  const MeshShape& sharp = mesh_of(apart);
+  EXPECT_EQ(sharp.smoothing, Smoothing::phong) << "as the file says";
+  EXPECT_EQ(sharp.normals[sharp.polygons.normals[0]], glm::vec3(0, 0, 1));
+  EXPECT_EQ(sharp.normals[sharp.triangle_normals[0].x], glm::vec3(1, 0, 0));
+  const SceneDescription together = load_mesh(corner + "s 1\n" + floor + wall);
+  const MeshShape& round = mesh_of(together);
+  const glm::vec3 edge = round.normals[round.polygons.normals[0]];
+  EXPECT_NEAR(edge.x, std::sqrt(0.5f), 1e-6) << "however the wall is cut";
+  EXPECT_NEAR(edge.z, std::sqrt(0.5f), 1e-6);
+  EXPECT_EQ(round.triangle_normals[0].x, round.polygons.normals[0]);
+  const MeshShape flat = mesh_of(load_mesh(corner + "s 1\n" + floor + "s off\n" + wall));
+  EXPECT_EQ(flat.triangle_normals[0].x, ~0u);
+  EXPECT_EQ(mesh_of(load_mesh(corner + floor + wall)).smoothing, Smoothing::flat);
+  EXPECT_EQ(mesh_of(load_mesh(corner + "s 0\n" + floor + wall)).smoothing, Smoothing::flat);
+  EXPECT_EQ(mesh_of(load_mesh(corner + "vn 0 0 1\nf 1//1 2//1 3//1\n")).smoothing, Smoothing::phong);
+}
+
+TEST(ObjLoader, ObjectsAndGroupsAreNamed) {
+  const SceneDescription scene = load_mesh("o body\n" + kTriangle + kFace + kFace + "g head hair\n" + kFace +
+                                           "o empty\no body\n" + kFace);
+  const std::vector<NamedFaces>& names = mesh_of(scene).names;
+  ASSERT_EQ(names.size(), 2u);
+  EXPECT_EQ(names[0].name, "body");
+  EXPECT_EQ(names[0].faces, 3u);
+  EXPECT_EQ(names[1].name, "head hair");
+  EXPECT_EQ(names[1].faces, 1u);
 }
 
 TEST(ObjLoader, MaterialsAreFoundByTheirWholeNames) {
@@ -186,11 +125,27 @@ TEST(ObjLoader, RecordsThatAreNotUsedAreNotedWithTheirNumber) {
   expect_note(scene, "mesh.obj:13:", "`curv` is not used");
   expect_note(scene, "mesh.obj:14:", "`p` is not used");
   EXPECT_EQ(scene.notes.lines().size(), 3u) << notes_of(scene);
-  expect_note(load_mesh("v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n"),
-              "mesh.obj:1:", "colour is not used, here and 2 times more");
-  write_temporary("mesh.obj", kTriangle + "s 1\n" + kFace + "s 2\n" + kFace);
+  write_temporary("mesh.obj", kTriangle + "s off\n" + kFace);
   const std::string smooth = test::view_text() + "scene: [{mesh: {file: mesh.obj, smooth: phong}}]\n";
-  expect_note(test::load_yaml(smooth), "mesh.obj:", "`s` is not used");
+  expect_note(test::load_yaml(smooth), "mesh.obj:", "the file says `s off`");
+}
+
+TEST(ObjLoader, ANodesMaterialReplacesTheFilesIfItIsAskedTo) {
+  write_temporary("mesh.mtl", "newmtl red\nKd 1 0 0\n");
+  write_temporary("mesh.obj", "mtllib mesh.mtl\nusemtl red\n" + kTriangle + kFace);
+  const std::string head = test::view_text() + "materials: {blue: {color: [0, 0, 1]}}\nscene:\n  - ";
+  for (const char* node :
+       {"{material: blue, override: true, mesh: {file: mesh.obj}}",
+        "{material: blue, mesh: {file: mesh.obj, override: true}}",
+        "{material: blue, zones: 0.5, group: [{override: true, mesh: {file: mesh.obj}}]}"}) {
+    const SceneDescription scene = test::load_yaml(head + node + "\n");
+    EXPECT_EQ(notes_of(scene), "") << node;
+    const PrimitiveDescription& mesh = scene.objects[scene.root].primitives.at(0);
+    EXPECT_EQ(scene.materials[mesh.material].name, "blue");
+    EXPECT_TRUE(std::get<MeshShape>(mesh.shape).materials.empty());
+  }
+  EXPECT_NE(test::error_of(head + "{override: true, mesh: {file: mesh.obj}}\n").find("give that, too"),
+            std::string::npos);
 }
 
 TEST(ObjLoader, AMaterialThatCanNotShowIsNoted) {
@@ -202,6 +157,38 @@ TEST(ObjLoader, AMaterialThatCanNotShowIsNoted) {
   expect_note(test::load_yaml(yaml), "scene.yaml:4:16:", "material 'blue' is not used");
   write_temporary("mesh.obj", "mtllib mesh.mtl\n" + kTriangle + kFace + "usemtl red\n" + kFace);
   EXPECT_EQ(notes_of(test::load_yaml(yaml)), "");
+}
+
+/// Files that nobody here wrote, where they are.
+std::string asset(const std::string& name) {
+  return std::string(RAYFARM_SOURCE) + "/../shared/assets/" + name;
+}
+SceneDescription load_asset(const std::string& name) {
+  return test::load_yaml(test::view_text() + "scene: [{mesh: {file: '" + asset(name) + "'}}]\n");
+}
+
+TEST(ObjLoader, FilesOfOtherProgramsAreRead) {
+  if (!std::filesystem::exists(asset("obj/spider.obj"))) GTEST_SKIP() << "no ../shared/assets";
+  const SceneDescription spider = load_asset("obj/spider.obj");
+  EXPECT_EQ(mesh_of(spider).triangles.size() + mesh_of(spider).polygons.sides.size(), 1368u);
+  EXPECT_EQ(spider.textures.size(), 5u) << "named with a backslash";
+  EXPECT_EQ(mesh_of(spider).names.size(), 19u);
+  EXPECT_EQ(mesh_of(spider).smoothing, Smoothing::phong);
+  const SceneDescription colors = load_asset("obj/cube_with_vertexcolors_uni.obj");
+  EXPECT_EQ(mesh_of(colors).colors.size(), 8u);
+  EXPECT_EQ(mesh_of(colors).colors[1],
+            make_vertex_color({1, decode_srgb(double(0.6f)), decode_srgb(double(0.3f))}));
+  const SceneDescription numbers = load_asset("obj/number_formats.obj");
+  EXPECT_EQ(mesh_of(numbers).positions[1], glm::vec3(1, 2, 3));
+  EXPECT_EQ(mesh_of(numbers).positions[2], glm::vec3(1, 2, 3));
+  EXPECT_EQ(mesh_of(numbers).positions[5], glm::vec3(100, 20, 310));
+  const SceneDescription spaces = load_asset("obj/space_in_material_name.obj");
+  EXPECT_EQ(spaces
+                .materials[mesh_of(spaces).materials.empty() ? mesh_of(spaces).polygons.materials.at(0)
+                                                             : mesh_of(spaces).materials.at(0)]
+                .name,
+            "Hard Shiny Plastic White");
+  load_asset("obj/cube_usemtl.obj");
 }
 
 /// Of all the triangles that rays are tested against, which must not reach into `hole`.
@@ -247,7 +234,7 @@ TEST(Loading, StopsSoonAfterItIsAsked) {
                      corner + kSide + 1, corner + kSide);
     }
   write_temporary("mesh.obj", obj);
-  const std::string scene = write_temporary("stopped.yaml", kYaml);
+  const std::string scene = write_temporary("stopped.yaml", test::kMeshYaml);
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   load_scene(scene);

@@ -3,32 +3,65 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <set>
 
+#include "common/description/formats/mtl_material.h"
 #include "common/description/formats/records.h"
-#include "common/description/formats/scene_loaders.h"
-#include "common/description/scene_images.h"
 #include "common/files/read_file.h"
 
 namespace rayfarm {
 namespace {
 
-/// A material as the file says it. Numbers are float, as those of the mesh.
-struct Written {
-  std::string name;
-  SourcePlace place;
-  glm::vec3 diffuse{0}, specular{0}, emission{0};
-  float shininess = 1, index = 1;
-  std::optional<float> opacity, transparency;
-  std::optional<int> illumination;
-  bool has_diffuse = false;
-  uint32_t texture = kNone;
-};
+using Colors = std::optional<glm::vec3> MtlMaterial::*;
+using Numbers = std::optional<float> MtlMaterial::*;
+using Maps = std::optional<MtlMap> MtlMaterial::*;
 
-class Loader {
+constexpr std::pair<std::string_view, Colors> kColors[] = {{"Kd", &MtlMaterial::diffuse},
+                                                           {"Ks", &MtlMaterial::specular},
+                                                           {"Ke", &MtlMaterial::emission},
+                                                           {"Tf", &MtlMaterial::filter}};
+constexpr std::pair<std::string_view, Numbers> kNumbers[] = {
+    {"Ns", &MtlMaterial::shininess},    {"Ni", &MtlMaterial::index},          {"d", &MtlMaterial::opacity},
+    {"Tr", &MtlMaterial::transparency}, {"Pr", &MtlMaterial::roughness},      {"Pm", &MtlMaterial::metallic},
+    {"Pc", &MtlMaterial::coat},         {"Pcr", &MtlMaterial::coat_roughness}};
+/// In small letters, as exporters do not agree on them.
+constexpr std::pair<std::string_view, Maps> kMaps[] = {
+    {"map_kd", &MtlMaterial::diffuse_map},        {"map_ks", &MtlMaterial::specular_map},
+    {"map_ke", &MtlMaterial::emission_map},       {"map_d", &MtlMaterial::opacity_map},
+    {"map_bump", &MtlMaterial::bump_map},         {"bump", &MtlMaterial::bump_map},
+    {"map_kn", &MtlMaterial::normal_map},         {"norm", &MtlMaterial::normal_map},
+    {"map_norm", &MtlMaterial::normal_map},       {"map_pr", &MtlMaterial::roughness_map},
+    {"map_pm", &MtlMaterial::metallic_map},       {"map_pc", &MtlMaterial::coat_map},
+    {"map_pcr", &MtlMaterial::coat_roughness_map}};
+
+template <typename Member, size_t kCount>
+const Member* find(const std::pair<std::string_view, Member> (&table)[kCount], std::string_view key) {
+  for (const auto& [name, member] : table)
+    if (name == key) return &member;
+  return nullptr;
+}
+
+/// Keys that others write, and why nothing comes of them.
+constexpr std::pair<std::string_view, std::string_view> kUnused[] = {
+    {"Ka", "ambient light takes a fifth of `Kd`"},
+    {"map_Ka", "ambient light takes a fifth of `Kd`"},
+    {"map_Ns", "a map of roughness is `map_Pr`"},
+    {"map_Tr", "a map of opacity is `map_d`"},
+    {"map_refl", "what surrounds the scene is reflected"},
+    {"refl", "what surrounds the scene is reflected"},
+    {"disp", "surfaces are not displaced; `map_Bump` tilts their normals"},
+    {"map_disp", "surfaces are not displaced; `map_Bump` tilts their normals"},
+    {"decal", "a material has one map of colours"},
+    {"map_aat", "textures are always filtered"},
+    {"sharpness", "reflections are as sharp as the material"},
+    {"Ps", "there is no sheen"},
+    {"map_Ps", "there is no sheen"},
+    {"aniso", "highlights are round"},
+    {"anisor", "highlights are round"}};
+
+class MtlReader {
  public:
-  Loader(SceneDescription& scene, const std::string& path, const std::stop_token& stop)
+  MtlReader(SceneDescription& scene, const std::string& path, const std::stop_token& stop)
       : scene_(scene),
         path_(path),
         stop_(stop),
@@ -45,44 +78,27 @@ class Loader {
  private:
   void read_record() {
     const std::string_view key = records_.keyword();
+    std::string small(key.substr(0, 40));
+    std::transform(small.begin(), small.end(), small.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (key == "newmtl") {
       finish();
-      const std::string_view name = records_.rest();
-      if (name.empty()) records_.fail("`newmtl` needs a name");
-      written_.emplace();
-      written_->name = name;
-      written_->place = records_.line_place();
-    } else if (!written_) {
-      note(fmt::format("`{}` belongs to no material: it stands before the first `newmtl`", short_of(key)));
-    } else if (key == "Kd") {
-      written_->diffuse = color();
-      written_->has_diffuse = true;
-    } else if (key == "Ks") {
-      written_->specular = color();
-      const glm::vec3& s = written_->specular;
-      if (s.x != s.y || s.y != s.z)
-        note_once("the colour of `Ks`", "highlights and reflections take the mean of its three numbers");
-    } else if (key == "Ke") {
-      written_->emission = color();
-    } else if (key == "Ns") {
-      written_->shininess = number();
-      if (written_->shininess < 0) records_.fail("`Ns` must be 0 or more");
-    } else if (key == "Ni") {
-      written_->index = number();
-    } else if (key == "d") {
-      if (records_.peek() == "-halo") {
-        records_.word();
-        note_once("`-halo`", "the opacity is the same from all sides");
-      }
-      written_->opacity = number();
-    } else if (key == "Tr") {
-      written_->transparency = number();
+      written_ = MtlMaterial();
+      written_.place = records_.line_place();
+      written_.name = records_.rest();
+      if (written_.name.empty()) records_.fail("`newmtl` needs a name");
+    } else if (written_.name.empty()) {
+      note(
+          fmt::format("`{}` belongs to no material: it stands before the first `newmtl`", key.substr(0, 40)));
+    } else if (const Colors* color = find(kColors, key)) {
+      written_.*(*color) = read_color();
+    } else if (const Numbers* number = find(kNumbers, key)) {
+      read_number(*number);
     } else if (key == "illum") {
-      written_->illumination = static_cast<int>(std::clamp(number(), -1e6f, 1e6f));
-    } else if (key == "map_Kd") {
-      written_->texture = read_map();
-    } else if (key == "Tf" && color() == glm::vec3(1)) {
-      // what passes is not filtered
+      written_.illumination = static_cast<int>(std::clamp(read_float(), -1e6f, 1e6f));
+    } else if (const Maps* map = find(kMaps, small)) {
+      written_.*(*map) =
+          read_map(std::string(key), (*map) == &MtlMaterial::bump_map || (*map) == &MtlMaterial::normal_map);
     } else {
       note_unused(key);
     }
@@ -90,158 +106,119 @@ class Loader {
 
   void note(std::string_view text) { scene_.notes.add(records_.line_place(), text); }
   void note_once(const std::string& what, std::string_view instead) {
-    if (noted_.insert(what).second) note(fmt::format("{} is not used: {}", what, instead));
+    constexpr size_t kMostKinds = 24;
+    if (noted_.size() <= kMostKinds && noted_.insert(what).second)
+      note(fmt::format("{} is not used: {}", what, instead));
   }
-  static std::string_view short_of(std::string_view word) { return word.substr(0, 40); }
 
   void note_unused(std::string_view key) {
-    static const std::vector<std::pair<std::string_view, std::string_view>> kKnown{
-        {"Ka", "ambient light takes a fifth of `Kd`"},
-        {"Tf", "what passes is not filtered"},
-        {"map_Ka", "only `map_Kd` is read of the maps"},
-        {"map_Ks", "only `map_Kd` is read of the maps"},
-        {"map_Ke", "only `map_Kd` is read of the maps"},
-        {"map_Ns", "only `map_Kd` is read of the maps"},
-        {"map_d", "only `map_Kd` is read of the maps"},
-        {"map_bump", "give the material a `bump` in a .yaml scene"},
-        {"map_Bump", "give the material a `bump` in a .yaml scene"},
-        {"bump", "give the material a `bump` in a .yaml scene"},
-        {"norm", "give the material a `bump` in a .yaml scene"},
-        {"Pr", "a rough metal is a `conductor` with an `exponent` in a .yaml scene"},
-        {"Pm", "a metal is a `conductor` in a .yaml scene"}};
-    constexpr size_t kMostKinds = 24;
-    if (noted_.size() > kMostKinds) return;
-    const auto known =
-        std::find_if(kKnown.begin(), kKnown.end(), [key](const auto& entry) { return entry.first == key; });
-    if (known != kKnown.end()) return note_once(fmt::format("`{}`", key), known->second);
-    static const std::vector<std::string> kUsed{"newmtl", "Kd", "Ks", "Ke",    "Ns",
-                                                "Ni",     "d",  "Tr", "illum", "map_Kd"};
-    note_once(fmt::format("`{}`", short_of(key)),
-              fmt::format("read are {}{}", fmt::join(kUsed, ", "), suggestion(key, kUsed)));
+    const std::string what = fmt::format("`{}`", key.substr(0, 40));
+    if (const std::string_view* why = find(kUnused, key)) return note_once(what, *why);
+    std::vector<std::string> used{"newmtl",   "illum", "map_Kd", "map_Ks", "map_Ke", "map_d",
+                                  "map_Bump", "norm",  "map_Pr", "map_Pm", "map_Pc", "map_Pcr"};
+    for (const auto& [name, member] : kColors) used.emplace_back(name);
+    for (const auto& [name, member] : kNumbers) used.emplace_back(name);
+    note_once(what, fmt::format("read are {}{}", fmt::join(used, ", "), suggestion(key, used)));
   }
 
-  float number() {
+  float read_float() {
     const auto value = static_cast<float>(records_.number());
     if (!std::isfinite(value)) records_.fail("the number is too large");
     return value;
   }
-  glm::vec3 color() {
+  void read_number(Numbers member) {
+    if (member == &MtlMaterial::opacity && records_.peek() == "-halo") {
+      records_.word();
+      note_once("`-halo`", "the opacity is the same from all sides");
+    }
+    const float value = read_float();
+    if (member == &MtlMaterial::shininess && value < 0) records_.fail("`Ns` must be 0 or more");
+    written_.*member = value;
+  }
+  glm::vec3 read_color() {
     if (const std::string_view kind = records_.peek(); kind == "spectral" || kind == "xyz") {
       records_.word();
       records_.fail(fmt::format("`{}` colours are not read; write red, green and blue", kind));
     }
-    glm::vec3 c(number());  // one number is grey
+    glm::vec3 c(read_float());  // one number is grey
     if (records_.has_more() && !records_.peek().starts_with('#')) {
-      c.y = number();
-      c.z = number();
+      c.y = read_float();
+      c.z = read_float();
     }
     if (c.x < 0 || c.y < 0 || c.z < 0) records_.fail("a colour must not be negative");
     return c;
   }
 
   /// `map_Kd [options] file`.
-  uint32_t read_map() {
-    const SourcePlace place = records_.line_place();
-    Vec2 offset(0), scale(1);
-    while (records_.peek().starts_with('-')) {
-      const std::string option(records_.word());
-      if (option == "-o" || option == "-s" || option == "-t") {
-        Vec3 v(option == "-s" ? 1 : 0);
-        // The second and third may be left out, and a file's name may begin as a number does.
-        for (int i = 0; i < 3 && parse_number(records_.peek()); ++i) v[i] = records_.number();
-        if (option == "-o") offset = Vec2(v);
-        if (option == "-s") {
-          if (v.x == 0 || v.y == 0) records_.fail("the scale of a map must not be 0");
-          scale = Vec2(v);
-        }
-        if (option == "-t") note_map_option(option);
-      } else if (option == "-mm") {
-        records_.number();
-        records_.number();
-        note_map_option(option);
-      } else {
-        static const std::set<std::string> kWithOneWord{"-bm",    "-boost", "-texres",  "-blendu", "-blendv",
-                                                        "-clamp", "-cc",    "-imfchan", "-type"};
-        if (!kWithOneWord.contains(option))
-          records_.fail(fmt::format("unknown option '{}' of a map", short_of(option)));
-        if (records_.word() != "off" || option != "-clamp") note_map_option(option);
+  MtlMap read_map(const std::string& key, bool is_bump) {
+    MtlMap map;
+    while (records_.peek().starts_with('-')) read_map_option(map, is_bump);
+    map.file = records_.rest();
+    map.place = records_.place();
+    // Some write the options behind the file's name.
+    if (const size_t at = map.file.rfind(" -bm "); is_bump && at != std::string::npos)
+      if (const auto value = parse_number(std::string_view(map.file).substr(at + 5));
+          value && std::abs(*value) < 1e6) {
+        map.bump = *value;
+        map.file.erase(at);
       }
-    }
-    std::string name(records_.rest());
-    if (name.empty()) records_.fail("`map_Kd` names no file");
-    std::replace(name.begin(), name.end(), '\\', '/');
-    return texture(name, offset, scale, records_.place());
-  }
-  void note_map_option(const std::string& option) {
-    note_once(fmt::format("`{}`", option), "a map has `-o` and `-s`, and is repeated");
+    std::string& file = map.file;
+    if (file.size() > 1 && file.front() == '"' && file.back() == '"') file = file.substr(1, file.size() - 2);
+    if (file.empty()) records_.fail(fmt::format("`{}` names no file", key));
+    std::replace(file.begin(), file.end(), '\\', '/');
+    return map;
   }
 
-  /// Materials that name the same image in the same place share it.
-  uint32_t texture(const std::string& name, const Vec2& offset, const Vec2& scale, const SourcePlace& place) {
-    const std::string file = (std::filesystem::path(path_).parent_path() / name).lexically_normal().string();
-    TextureDescription texture;
-    texture.name = "map_Kd " + file;
-    texture.scale = Vec3(1.0 / scale.x, 1.0 / scale.y, 1);
-    texture.offset = offset;
-    const auto same = [&texture](const TextureDescription& t) {
-      return t.name == texture.name && t.scale == texture.scale && t.offset == texture.offset;
-    };
-    const auto found = std::find_if(scene_.textures.begin(), scene_.textures.end(), same);
-    if (found != scene_.textures.end()) return static_cast<uint32_t>(found - scene_.textures.begin());
-    try {
-      load_scene_image(scene_, file, texture, stop_);
-    } catch (const IoError& e) {
-      throw InputError(place, e.what());
+  void read_map_option(MtlMap& map, bool is_bump) {
+    const std::string option(records_.word());
+    const auto say = [&](std::string_view why) { note_once(fmt::format("`{}` of a map", option), why); };
+    if (option == "-o" || option == "-s" || option == "-t") {
+      Vec3 v(option == "-s" ? 1 : 0);
+      // The second and third may be left out, and a file's name may begin as a number does.
+      for (int i = 0; i < 3 && parse_number(records_.peek()); ++i) v[i] = records_.number();
+      if (option == "-o") map.offset = Vec2(v);
+      if (option == "-s") {
+        if (v.x == 0 || v.y == 0) records_.fail("the scale of a map must not be 0");
+        map.scale = Vec2(v);
+      }
+      if (option == "-t" && v != Vec3(0)) say("maps are not disturbed");
+    } else if (option == "-mm") {
+      const double base = records_.number(), gain = records_.number();
+      if (base != 0 || gain != 1) say("a map is weighed by the number or colour beside it");
+    } else if (option == "-bm") {
+      map.bump = records_.number();
+      if (std::abs(map.bump) > 1e6) records_.fail("a map of bumps is scaled by 1e6 at most");
+      if (!is_bump) say("it scales bumps, and this is no map of them");
+    } else if (option == "-clamp") {
+      map.is_clamped = records_.word() == "on";
+    } else if (option == "-imfchan") {
+      const std::string_view channel = records_.word();
+      if (channel.size() != 1 || std::string_view("rgbmlz").find(channel) == std::string_view::npos)
+        records_.fail("`-imfchan` is one of r, g, b, m (alpha), l (luminance) and z");
+      map.channel = channel.front();
+      if (map.channel == 'z') say("an image has no depth: its luminance stands for it");
+    } else if (option == "-blendu" || option == "-blendv") {
+      if (records_.word() == "off") say("textures are always filtered");
+    } else if (option == "-cc") {
+      if (records_.word() == "on") say("colours are taken as they are");
+    } else if (option == "-boost" || option == "-texres" || option == "-type") {
+      records_.word();
+      say(option == "-type" ? "a map lies in (u, v)" : "textures are filtered by what a ray sees of them");
+    } else {
+      records_.fail(fmt::format("unknown option '{}' of a map", option.substr(0, 40)));
     }
-    scene_.textures.push_back(std::move(texture));
-    return static_cast<uint32_t>(scene_.textures.size() - 1);
   }
 
   /// The material that was read last, if any, joins the scene.
   void finish() {
-    if (!written_) return;
-    const Written& w = *written_;
-    const auto note_here = [&](std::string_view text) { scene_.notes.add(w.place, text); };
-    MaterialDescription m(w.name);
-    m.color = Color(w.has_diffuse || w.texture == kNone ? w.diffuse : glm::vec3(1));
-    m.texture = w.texture;
-    if (!w.has_diffuse && w.texture == kNone && w.emission == glm::vec3(0))
-      note_here(fmt::format("material '{}' has no `Kd`: it is black", w.name));
-    m.specular = static_cast<double>(w.specular.x + w.specular.y + w.specular.z) / 3.0;
-    m.shininess = static_cast<double>(w.shininess);
-    // Which of the two counts where they contradict each other is not said anywhere; most read `d`.
-    const float opacity = w.opacity ? *w.opacity : w.transparency ? 1.0f - *w.transparency : 1.0f;
-    if (w.opacity && w.transparency && std::abs(*w.opacity + *w.transparency - 1) > 1e-3f)
-      note_here(fmt::format("`Tr` {:g} of material '{}' is not used: `d` says {:g}", *w.transparency, w.name,
-                            *w.opacity));
-    // MTL: illum 3 and above ask for reflection, 4, 6, 7 and 9 for glass; d is the opacity.
-    const int illum = w.illumination.value_or(2);
-    const bool is_glass = illum == 4 || illum == 6 || illum == 7 || illum == 9;
-    m.reflect = illum >= 3 ? m.specular : 0;
-    m.transmit = is_glass ? 1.0 - static_cast<double>(opacity) : 0;
-    m.index = w.index > 0 ? static_cast<double>(w.index) : 1;
-    if (!is_glass && opacity != 1)
-      note_here(fmt::format(
-          "material '{}' is opaque: its `d` or `Tr` is used with `illum` 4, 6, 7 or 9 alone", w.name));
-    if (illum <= 0 || illum > 9 || (illum == 1 && m.specular != 0))
-      note_here(fmt::format("`illum` {} of material '{}' is not used: it is shaded as by `illum` 2", illum,
-                            w.name));
-    if (w.emission != glm::vec3(0)) {
-      // What shines is a luminaire: an albedo and the light of its own.
-      if (m.specular != 0 || m.transmit != 0)
-        note_here(fmt::format("material '{}' shines: its `Ke` and `Kd` are used, its `Ks` and `d` are not",
-                              w.name));
-      m.kind = MaterialKind::luminaire;
-      m.emission = Color(w.emission);
-      m.ambient = m.specular = m.reflect = m.transmit = 0;
-      m.diffuse = 1;
-    }
+    if (written_.name.empty()) return;
     const auto id = static_cast<uint32_t>(scene_.materials.size());
-    if (ids_.emplace(w.name, id).second)
-      scene_.materials.push_back(std::move(m));
+    if (ids_.emplace(written_.name, id).second)
+      add_mtl_material(scene_, path_, written_, stop_);
     else
-      note_here(fmt::format("material '{}' is defined twice; the first one is used", w.name));
-    written_.reset();
+      scene_.notes.add(written_.place,
+                       fmt::format("material '{}' is defined twice; the first one is used", written_.name));
+    written_ = MtlMaterial();
   }
 
   SceneDescription& scene_;
@@ -249,7 +226,7 @@ class Loader {
   const std::stop_token& stop_;
   std::string text_;
   Records records_;
-  std::optional<Written> written_;
+  MtlMaterial written_;  ///< without a name before the first
   MaterialIds ids_;
   std::set<std::string> noted_;
 };
@@ -257,7 +234,7 @@ class Loader {
 }  // namespace
 
 MaterialIds load_mtl(SceneDescription& scene, const std::string& path, const std::stop_token& stop) {
-  return Loader(scene, path, stop).load();
+  return MtlReader(scene, path, stop).load();
 }
 
 }  // namespace rayfarm

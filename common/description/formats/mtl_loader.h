@@ -1,6 +1,6 @@
 #pragma once
-// Materials of Wavefront MTL files, the companions of OBJ meshes. Used are Kd and map_Kd (with -o and -s),
-// Ks, Ns, Ni, d or Tr, illum, and Ke; all else is noted.
+// Materials of Wavefront MTL files, the companions of OBJ meshes: a table of what is used is in
+// scenes/README.md, all else is noted.
 #include <functional>
 #include <map>
 

@@ -3,15 +3,17 @@
 #include <span>
 #include <string_view>
 
-#include "common/description/scene_description.h"
+#include "common/description/formats/mesh_loaders.h"
+#include "common/files/read_file.h"
 
 namespace rayfarm {
 
-/// Reads the text of the file `path`, in pieces that end at the first lines' ends behind `borders`, which
-/// rise: they decide which core reads what, and nothing else. Its materials and notes join the scene; faces
-/// without a material have `material`. Throws InputError and Stopped.
-MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const std::string& path,
-                        uint32_t material, Smoothing smoothing, std::span<const size_t> borders,
-                        const std::stop_token& stop = {}, ReadProgress* progress = nullptr);
+/// Reads the text of the file that is asked for, in pieces that end at the first records' ends behind
+/// `borders`, which rise: they decide which core reads what, and nothing else. Its materials and notes join
+/// the scene. `file`, unless null, is what holds the text: memory of what is
+/// read is given back. Throws InputError and Stopped.
+MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const MeshRequest& request,
+                        std::span<const size_t> borders, const LoadOptions& options = {},
+                        FileText* file = nullptr);
 
 }  // namespace rayfarm

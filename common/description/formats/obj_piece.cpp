@@ -7,6 +7,11 @@
 namespace rayfarm {
 namespace {
 
+/// `fo` is what faces were in early versions.
+bool is_face(std::string_view key) {
+  return key == "f" || key == "fo";
+}
+
 /// In a file of rubbish every line is of another kind.
 constexpr size_t kMostKinds = 4096;
 
@@ -17,21 +22,20 @@ class PieceReader {
       : records_(text, path, stop, lines_before), lines_before_(lines_before), piece_(piece) {}
 
   void read() {
-    while (records_.next()) read_record();
-    piece_.lines = records_.line() - lines_before_;
+    while (records_.next()) {
+      read_record();
+      if (records_.take_stray_exponent()) count_unused("an exponent whose sign stands before its `e`");
+    }
+    piece_.lines = records_.lines() - lines_before_;
   }
 
  private:
   void read_record() {
     const std::string_view key = records_.keyword();
-    std::array<float, 3> v{};
+    std::array<float, 7> v{};
     if (key == "v") {
-      if (read_numbers(3, v) >= 6) count_unused("a vertex's colour");
-      const Vec3 p(v[0], v[1], v[2]);
-      if (!(max_magnitude(p) <= limits::kCoordinate) && piece_.first_bad_position == SIZE_MAX)
-        piece_.first_bad_position = piece_.positions.size();
-      piece_.positions.emplace_back(v[0], v[1], v[2]);
-    } else if (key == "f") {
+      read_vertex(read_numbers(3, v), v);
+    } else if (is_face(key)) {
       read_face();
     } else if (key == "vn") {
       read_numbers(3, v);
@@ -39,32 +43,67 @@ class PieceReader {
     } else if (key == "vt") {
       read_numbers(1, v);
       piece_.uvs.emplace_back(v[0], v[1]);
-    } else if (key == "usemtl" || key == "mtllib") {
-      const std::string_view text = records_.rest();
-      const SourcePlace place = records_.place();
-      piece_.settings.push_back(
-          {key == "mtllib", piece_.sides.size(), text, place.line - lines_before_, place.column});
+    } else if (key == "usemtl") {
+      add_setting(ObjPiece::Setting::material);
+    } else if (key == "mtllib") {
+      add_setting(ObjPiece::Setting::library);
     } else if (key == "s") {
-      piece_.smoothing_groups.insert(records_.word());
-    } else if (key != "g" && key != "o") {
+      add_setting(ObjPiece::Setting::smoothing);
+    } else if (key == "g" || key == "o") {
+      add_setting(ObjPiece::Setting::name);
+    } else {
       count_unused(fmt::format("`{}`", key.substr(0, 40)));
     }
   }
 
-  /// At least `least` numbers, of which the first three are kept. Returns how many there are.
-  size_t read_numbers(size_t least, std::array<float, 3>& kept) {
+  void add_setting(ObjPiece::Setting::Kind kind) {
+    ObjPiece::Setting setting{kind, piece_.sides.size(), records_.rest()};
+    const SourcePlace place = records_.place();
+    setting.line = place.line - lines_before_;
+    setting.column = place.column;
+    if (kind == ObjPiece::Setting::material || kind == ObjPiece::Setting::library) {
+      piece_.settings.push_back(std::move(setting));
+      return;
+    }
+    // Of those that no face comes between the last counts: a file may consist of nothing else.
+    size_t& last = kind == ObjPiece::Setting::name ? last_name_ : last_smoothing_;
+    if (last < piece_.settings.size() && piece_.settings[last].faces_before == setting.faces_before) {
+      piece_.settings[last].text = std::move(setting.text);
+      return;
+    }
+    last = piece_.settings.size();
+    piece_.settings.push_back(std::move(setting));
+  }
+
+  /// Place, perhaps a weight; or place and colour, perhaps with an alpha.
+  void read_vertex(size_t count, const std::array<float, 7>& v) {
+    const Vec3 p(v[0], v[1], v[2]);
+    if (!(max_magnitude(p) <= limits::kCoordinate) && piece_.first_bad_position == SIZE_MAX)
+      piece_.first_bad_position = piece_.positions.size();
+    if (count >= 6) {
+      piece_.colors.resize(piece_.positions.size(), ObjPiece::kNoColor);
+      piece_.colors.emplace_back(v[3], v[4], v[5]);
+      piece_.largest_color = std::max({piece_.largest_color, v[3], v[4], v[5]});
+    }
+    if ((count == 4 && v[3] != 1) || count == 5) count_unused("what stands behind a vertex's coordinates");
+    piece_.positions.emplace_back(v[0], v[1], v[2]);
+  }
+
+  /// At least `least` numbers, of which the first are kept. Returns how many there are.
+  template <size_t kMost>
+  size_t read_numbers(size_t least, std::array<float, kMost>& kept) {
     size_t count = 0;
     for (; count < least || records_.has_number(); ++count) {
       const float number = records_.float_number();
       if (!std::isfinite(number)) records_.fail("the number is beyond what a mesh holds (3.4e38)");
-      if (count < 3) kept[count] = number;
+      if (count < kMost) kept[count] = number;
     }
     return count;
   }
 
   void read_face() {
     uint32_t count = 0;
-    for (std::string_view word; !(word = records_.word()).empty(); ++count)
+    for (std::string_view word; !(word = records_.word()).empty() && word.front() != '#'; ++count)
       if (!read_corner(word))
         records_.fail(fmt::format("expected a corner like 1, 1/2, 1//3 or 1/2/3, counted from 1, found '{}'",
                                   word.substr(0, 40)));
@@ -72,44 +111,38 @@ class PieceReader {
     if (count < 3) count_unused("a face of fewer than three corners");
   }
 
-  /// Corners are `v`, `v/vt`, `v//vn` or `v/vt/vn`, whole numbers other than 0.
+  /// Corners are `v`, `v/vt`, `v//vn` or `v/vt/vn`, whole numbers other than 0; what is empty between slashes
+  /// is not there.
   bool read_corner(std::string_view word) {
     const char* at = word.data();
     const char* const end = at + word.size();
     const size_t corner = piece_.corners[ObjPiece::position].size();
     for (const ObjPiece::Part part : {ObjPiece::position, ObjPiece::uv, ObjPiece::normal}) {
-      const bool is_left_out = part == ObjPiece::uv && at != end && *at == '/';
-      if (!is_left_out) {
+      LargeVector<int>& indices = piece_.corners[part];
+      if (at == end || (*at == '/' && part != ObjPiece::position)) {
+        if (!indices.empty()) indices.push_back(ObjPiece::kNothing);  // where some corners name one
+      } else {
+        if (*at == '+' && end - at > 1 && at[1] != '-') ++at;
         int index = 0;
         const auto [stop, error] = std::from_chars(at, end, index);
         if (error != std::errc{} || index == 0) return false;
         at = stop;
-        add_index(part, corner, index);
+        if (indices.size() < corner) indices.resize(corner, ObjPiece::kNothing);
+        if (index < 0) {
+          piece_.relative[part].push_back(static_cast<uint32_t>(corner));
+          index = static_cast<int>(static_cast<int64_t>(count_of(part)) + index) + 1;
+        }
+        indices.push_back(index - 1);
       }
-      if (at == end) {
-        // Where some corners name what this one does not.
-        for (const ObjPiece::Part other : {ObjPiece::uv, ObjPiece::normal})
-          if (auto& indices = piece_.corners[other]; !indices.empty())
-            indices.resize(corner + 1, ObjPiece::kNothing);
-        return true;
-      }
-      if (*at++ != '/') return false;
+      if (at != end && (*at++ != '/' || part == ObjPiece::normal)) return false;
     }
-    return false;
+    return true;
   }
 
-  void add_index(ObjPiece::Part part, size_t corner, int index) {
-    LargeVector<int>& indices = piece_.corners[part];
-    indices.resize(corner, ObjPiece::kNothing);
-    if (index > 0) {
-      indices.push_back(index - 1);
-      return;
-    }
-    const size_t so_far = part == ObjPiece::position ? piece_.positions.size()
-                          : part == ObjPiece::uv     ? piece_.uvs.size()
-                                                     : piece_.normals.size();
-    piece_.relative[part].push_back(static_cast<uint32_t>(corner));
-    indices.push_back(static_cast<int>(static_cast<int64_t>(so_far) + index));
+  size_t count_of(ObjPiece::Part part) const {
+    return part == ObjPiece::position ? piece_.positions.size()
+           : part == ObjPiece::uv     ? piece_.uvs.size()
+                                      : piece_.normals.size();
   }
 
   void count_unused(const std::string& what) {
@@ -125,7 +158,8 @@ class PieceReader {
   Records records_;
   int lines_before_;
   ObjPiece& piece_;
-  std::unordered_map<std::string, size_t> kinds_;  ///< which of piece_.unused each is
+  size_t last_name_ = SIZE_MAX, last_smoothing_ = SIZE_MAX;  ///< of piece_.settings
+  std::unordered_map<std::string, size_t> kinds_;            ///< which of piece_.unused each is
 };
 
 }  // namespace
@@ -139,7 +173,9 @@ int line_of_obj_face(std::string_view text, size_t face, int lines_before) {
   Records records(text, "", {}, lines_before);
   size_t seen = 0;
   while (records.next())
-    if (records.keyword() == "f" && records.has_more() && seen++ == face) return records.line();
+    if (is_face(records.keyword()) && records.has_more() && !records.peek().starts_with('#') &&
+        seen++ == face)
+      return records.line();
   return 0;
 }
 

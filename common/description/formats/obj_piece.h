@@ -3,7 +3,6 @@
 // number and corner is looked at, and what depends on the whole file is left for later.
 #include <array>
 #include <string_view>
-#include <unordered_set>
 #include <vector>
 
 #include "common/description/formats/records.h"
@@ -18,6 +17,10 @@ struct ObjPiece {
   static constexpr int kBeforeFirst = -2;  ///< counted back beyond the file's beginning
 
   LargeVector<glm::vec3> positions, normals;
+  /// Of positions up to the last that has one, as they are written; empty if none has.
+  LargeVector<glm::vec3> colors;
+  static constexpr glm::vec3 kNoColor{-1};
+  float largest_color = 0;  ///< of all their numbers
   LargeVector<glm::vec2> uvs;
   LargeVector<uint32_t> sides;  ///< of each face, those of fewer than three among them; none has 0
   /// By part, one a corner, counted from 0; empty if no corner of the piece names any.
@@ -26,11 +29,12 @@ struct ObjPiece {
   std::array<LargeVector<uint32_t>, 3> relative;
   size_t first_bad_position = SIZE_MAX;  ///< infinite, or beyond limits::kCoordinate
 
-  /// A `usemtl` or `mtllib`.
+  /// What holds for all that follows.
   struct Setting {
-    bool is_library = false;
+    enum Kind { material, library, name, smoothing };
+    Kind kind = material;
     size_t faces_before = 0;  ///< in the piece
-    std::string_view text;
+    std::string text;
     int line = 0, column = 0;  ///< from the beginning of the piece
   };
   std::vector<Setting> settings;
@@ -41,8 +45,6 @@ struct ObjPiece {
     size_t count = 0;
   };
   std::vector<Unused> unused;
-  std::unordered_set<std::string_view> smoothing_groups;
-
   int lines = 0;  ///< in the piece
   /// It ends where a record is wrong: reading it again with `lines_before` right says which.
   bool is_broken = false;

@@ -6,6 +6,7 @@
 namespace rayfarm {
 namespace {
 
+constexpr size_t kMostNames = 1 << 16;
 constexpr size_t kMostKinds = 24;  // of what is not used: a file of rubbish has many
 
 }  // namespace
@@ -19,10 +20,9 @@ void ObjRecords::add(const ObjPiece& piece) {
   for (const ObjPiece::Setting& setting : piece.settings) {
     throw_if_stopped(stop_);
     count_unused_above(setting.line);
-    setting.is_library ? read_libraries(setting) : use_material(setting);
+    add(setting);
   }
   count_unused_above(std::numeric_limits<int>::max());
-  smoothing_groups_.insert(piece.smoothing_groups.begin(), piece.smoothing_groups.end());
   lines_ += piece.lines;
   faces_ += piece.sides.size();
 }
@@ -34,14 +34,56 @@ void ObjRecords::add_notes() const {
                               : fmt::format("{} is not used, here and {} times more", u.what, u.count - 1));
 }
 
+void ObjRecords::add(const ObjPiece::Setting& setting) {
+  switch (setting.kind) {
+    case ObjPiece::Setting::material:
+      return use_material(setting);
+    case ObjPiece::Setting::library:
+      return read_libraries(setting);
+    case ObjPiece::Setting::smoothing: {
+      const bool is_flat = setting.text == "off" || setting.text == "0" || setting.text == "null";
+      uint32_t group = 0;
+      if (!is_flat)
+        group = groups_.try_emplace(setting.text, static_cast<uint32_t>(groups_.size()) + 1).first->second;
+      smoothing_.push_back({faces_ + setting.faces_before, group});
+      return;
+    }
+    case ObjPiece::Setting::name: {
+      end_name(faces_ + setting.faces_before);
+      if (const auto found = name_ids_.find(setting.text);
+          found != name_ids_.end() || names_.size() == kMostNames) {
+        name_ = found != name_ids_.end() ? found->second : SIZE_MAX;
+        return;
+      }
+      name_ = names_.size();
+      name_ids_.emplace(setting.text, name_);
+      names_.push_back({setting.text, 0});
+      return;
+    }
+  }
+}
+
+void ObjRecords::end_name(size_t faces) {
+  if (name_ < names_.size()) names_[name_].faces += faces - name_begin_;
+  name_begin_ = faces;
+}
+
+std::vector<NamedFaces> ObjRecords::names() {
+  end_name(faces_);
+  std::vector<NamedFaces> used;
+  for (NamedFaces& name : names_)
+    if (name.faces > 0 && !name.name.empty()) used.push_back(std::move(name));
+  return used;
+}
+
 void ObjRecords::use_material(const ObjPiece::Setting& setting) {
   const size_t face = faces_ + setting.faces_before;
   const std::string_view name = setting.text;
   if (const auto found = ids_.find(name); found != ids_.end()) {
-    runs_.push_back({face, found->second});
+    materials_.push_back({face, found->second});
     return;
   }
-  runs_.push_back({face, runs_.front().material});
+  materials_.push_back({face, materials_.front().value});
   std::vector<std::string> names;
   for (const auto& [known, id] : ids_) names.push_back(known);
   count_unused(names.empty() ? "`usemtl`, as no `mtllib` before it defines a material,"
@@ -52,12 +94,13 @@ void ObjRecords::use_material(const ObjPiece::Setting& setting) {
 
 /// One file, whose name may have spaces, or several.
 void ObjRecords::read_libraries(const ObjPiece::Setting& setting) {
-  const std::string all(setting.text);
+  std::string all(setting.text);
   if (all.empty()) return;
   const SourcePlace place{path_, lines_ + setting.line, setting.column};
   const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
   std::error_code ignored;
   std::vector<std::string> names;
+  if (!std::filesystem::exists(folder / all, ignored)) std::replace(all.begin(), all.end(), '\\', '/');
   if (std::filesystem::exists(folder / all, ignored)) {
     names.push_back(all);
   } else {
@@ -73,8 +116,8 @@ void ObjRecords::read_libraries(const ObjPiece::Setting& setting) {
     libraries_.push_back(library);
     try {
       ids_.merge(load_mtl(scene_, library, stop_));
-    } catch (const IoError& e) {
-      throw InputError(place, e.what());
+    } catch (const IoError& e) {  // files are passed on without their materials
+      scene_.notes.add(place, fmt::format("{}: what it defines is not used", e.what()));
     }
   }
 }

@@ -153,7 +153,7 @@ void YamlNodes::read_content(YamlMap& map, const YamlValue& value, uint32_t targ
     }
   if (auto v = map.find("mesh")) {
     ++contents;
-    read_mesh(*v, target, inherited, own_material);
+    read_mesh(*v, map, target, inherited, own_material);
   }
   if (auto v = map.find("light")) {
     ++contents;
@@ -207,11 +207,30 @@ uint32_t YamlNodes::read_part_file(const YamlValue& value) {
   }
 }
 
-void YamlNodes::read_mesh(const YamlValue& value, uint32_t object, const Inherited& inherited,
+bool YamlNodes::has_override(YamlMap& node, YamlMap& mesh, const Inherited& inherited) {
+  bool is_said = false;
+  for (YamlMap* map : {&node, &mesh})
+    if (auto v = map->find("override"); v && v->boolean()) {
+      is_said = true;
+      if (inherited.material == 0)
+        v->fail("`override` puts a `material` of the scene in place of the file's; give that, too");
+    }
+  return is_said;
+}
+
+void YamlNodes::read_mesh(const YamlValue& value, YamlMap& node, uint32_t object, const Inherited& inherited,
                           const std::optional<YamlValue>& own_material) {
   YamlMap map(value);
   const YamlValue file = map.require("file");
+  const bool has_smoothing = map.has("smooth");
   const Smoothing smoothing = read_smoothing(map, Smoothing::flat);
+  double crease = 0;
+  if (auto v = map.find("crease")) {
+    if (has_smoothing && smoothing == Smoothing::flat)
+      v->fail("`crease` belongs to a smooth mesh; leave it out of a flat one");
+    crease = v->number_in(1, 179);
+  }
+  const bool is_replaced = has_override(node, map, inherited);
   map.finish();
   const std::string path = document_.path_of(file);
   const MeshFormat* format = find_mesh_format(path);
@@ -226,13 +245,20 @@ void YamlNodes::read_mesh(const YamlValue& value, uint32_t object, const Inherit
   const size_t first_object = scene_.objects.size(), first_child = scene_.objects[object].children.size(),
                first_primitive = scene_.objects[object].primitives.size();
   try {
-    format->load(scene_, object, {path, inherited.material, smoothing, value.place()}, options_);
+    format->load(scene_, object, {path, inherited.material, smoothing, value.place(), has_smoothing, crease},
+                 options_);
   } catch (const IoError& e) {
     file.fail(e.what());
   }
   const ObjectDescription& made = scene_.objects[object];
   if (made.primitives.size() == first_primitive && made.children.size() == first_child + 1)
     known = made.children.back().object;
+  if (is_replaced)
+    visit_added(scene_, object, first_primitive, first_object, [&](PrimitiveDescription& primitive) {
+      primitive.material = inherited.material;
+      if (auto* mesh = std::get_if<MeshShape>(&primitive.shape))
+        mesh->materials = mesh->polygons.materials = {};
+    });
   if (own_material) {
     bool is_used = false;
     visit_added(scene_, object, first_primitive, first_object, [&](const PrimitiveDescription& primitive) {
@@ -242,7 +268,8 @@ void YamlNodes::read_mesh(const YamlValue& value, uint32_t object, const Inherit
       scene_.notes.add(
           scene_.source(own_material->place()),
           fmt::format(
-              "{} is not used: the mesh's file gives all faces their materials",
+              "{} is not used: the mesh's file gives all faces their materials; "
+              "`override: true` puts this one in their place",
               own_material->is_map() ? "this material" : fmt::format("material '{}'", own_material->text())));
   }
   if (inherited.zone_size != 0)

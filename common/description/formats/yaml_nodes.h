@@ -36,7 +36,9 @@ class YamlNodes {
                     const std::optional<YamlValue>& own_material, size_t depth);
   uint32_t find_object(const YamlValue& value) const;
   uint32_t read_part_file(const YamlValue& value);
-  void read_mesh(const YamlValue& value, uint32_t object, const Inherited& inherited,
+  /// True if the node's material replaces those of its mesh's file; said there or in the mesh.
+  static bool has_override(YamlMap& node, YamlMap& mesh, const Inherited& inherited);
+  void read_mesh(const YamlValue& value, YamlMap& node, uint32_t object, const Inherited& inherited,
                  const std::optional<YamlValue>& own_material);
 
   YamlDocument& document_;

@@ -1,5 +1,6 @@
 #include "common/description/formats/yaml_shapes.h"
 
+#include "common/description/formats/bezier.h"
 #include "common/description/formats/mesh_faces.h"
 #include "common/description/formats/solids.h"
 #include "common/parallel/parallel_for.h"
@@ -280,6 +281,63 @@ std::vector<Shape> read_extrude(const YamlValue& value) {
   return {make_prism(polygon, height.number())};
 }
 
+/// Four corners in a plane are a polygon.
+std::vector<Shape> read_patch(const YamlValue& value) {
+  YamlMap map(value);
+  const YamlValue list = map.require("points");
+  std::vector<Vec3> points;
+  read_vectors(list, Vectors::any, points);
+  map.finish();
+  if (points.size() != 4) list.fail(fmt::format("a patch has 4 corners, not {}", points.size()));
+  const PatchCorners corners{points[0], points[1], points[2], points[3]};
+  if (!is_planar(corners)) return {PatchShape{corners}};
+  return {PolygonShape{points, {}, Smoothing::flat}};
+}
+
+/// More parts would make a mesh of two million triangles of one patch.
+constexpr uint32_t kMostDivisions = 1000;
+/// Of the diagonal about the patches: a quarter of a pixel where they fill a picture 1000 pixels wide.
+constexpr double kUsualBezierError = 1.0 / 4000;
+
+std::vector<Shape> read_bezier(const YamlValue& value) {
+  YamlMap map(value);
+  std::vector<Vec3> points;
+  read_vectors(map.require("points"), Vectors::any, points);
+  const YamlValue list = map.require("patches");
+  std::vector<BezierPatch> patches;
+  Box bounds;
+  for (const YamlValue& item : list.items()) {
+    const std::vector<YamlValue> indices = item.items();
+    BezierPatch patch;
+    if (indices.size() != patch.size())
+      item.fail(fmt::format("a patch is 16 indices into `points`, counted from 0, not {}", indices.size()));
+    for (size_t i = 0; i < patch.size(); ++i) {
+      patch[i] =
+          points[static_cast<size_t>(indices[i].whole_number_in(0, static_cast<int>(points.size()) - 1))];
+      bounds.grow(patch[i]);
+    }
+    patches.push_back(patch);
+  }
+  if (patches.empty()) list.fail("there is no patch");
+  const double diagonal = glm::length(bounds.extent());
+  if (!(diagonal > 0)) list.fail("all points are one");
+  const auto error = map.find("error"), count = map.find("divisions");
+  if (error && count) count->fail("give either `divisions` or the `error` that they follow from");
+  const double most_error = error ? error->number_in(1e-300, 1e15) : kUsualBezierError * diagonal;
+  const uint32_t divisions = count ? static_cast<uint32_t>(count->whole_number_in(1, kMostDivisions))
+                                   : divisions_for(patches, most_error, kMostDivisions + 1);
+  if (divisions > kMostDivisions)
+    value.fail(fmt::format("an error of {:g} needs patches cut into more than {} parts a side; allow more",
+                           most_error, kMostDivisions));
+  if (patches.size() * 2 * divisions * divisions > limits::kBezierTriangles)
+    value.fail(
+        fmt::format("{} patches cut into {} parts a side make more than {} triangles; allow a larger `error`",
+                    patches.size(), divisions, limits::kBezierTriangles));
+  const Smoothing smoothing = read_smoothing(map, Smoothing::phong);
+  map.finish();
+  return {dice_patches(patches, divisions, smoothing)};
+}
+
 }  // namespace
 
 std::span<const YamlShape> yaml_shapes() {
@@ -287,7 +345,7 @@ std::span<const YamlShape> yaml_shapes() {
       {"sphere", read_sphere},       {"polygon", read_polygon},   {"box", read_box},
       {"cylinder", read_cylinder},   {"cone", read_cone},         {"quadric", read_quadric},
       {"triangles", read_triangles}, {"polygons", read_polygons}, {"lathe", read_lathe},
-      {"extrude", read_extrude}};
+      {"extrude", read_extrude},     {"patch", read_patch},       {"bezier", read_bezier}};
   return kShapes;
 }
 

@@ -1,5 +1,7 @@
 #include "common/description/formats/yaml_spectra.h"
 
+#include "common/materials/illuminants.h"
+
 namespace rayfarm {
 namespace {
 
@@ -8,6 +10,16 @@ std::vector<SpectrumNode> read_nodes(YamlMap& map) {
   const auto scale = map.find("scale");
   const double factor = scale ? scale->number_in(0, 1e9) : 1;
   std::vector<SpectrumNode> nodes;
+  if (!list.is_sequence()) {
+    auto illuminant = find_illuminant(list.text());
+    if (!illuminant)
+      list.fail_unknown("illuminant", illuminant_names(),
+                        "; a list of [wavelength in nm, value] can be given, too");
+    nodes = std::move(*illuminant);
+    for (SpectrumNode& node : nodes) node.value *= factor;
+    map.finish();
+    return nodes;
+  }
   for (const YamlValue& item : list.items()) {
     const std::vector<double> pair = item.is_sequence() ? item.numbers() : std::vector<double>();
     if (pair.size() != 2) item.fail("a spectrum is a list of [wavelength in nm, value]");

@@ -4,9 +4,9 @@
 
 namespace rayfarm {
 
-/// A colour, or `{spectrum: [[nm, value], …], scale}`, which joins `spectra`; its RGB is returned: of a
-/// reflectance no more than the spectrum's largest value, as Rec. 709 can't show all colours. `index`: of the
-/// light or medium.
+/// A colour, or `{spectrum: [[nm, value], …] or the name of an illuminant, scale}`, which joins `spectra`;
+/// its RGB is returned: of a reflectance no more than the spectrum's largest value, as Rec. 709 can't show
+/// all colours. `index`: of the light or medium.
 Color read_color(const YamlValue& value, SpectralField field, std::vector<SpectrumDescription>& spectra,
                  size_t index = 0);
 
