@@ -79,6 +79,12 @@ class TinyGltf {
   SceneDescription load(const std::string& rest, const LoadOptions& options = {}) const {
     return load_scene(write(rest), options);
   }
+  /// Without the ground and lamp that files without lights get.
+  SceneDescription load_alone(const std::string& rest, const LoadOptions& options = {}) const {
+    SceneDescription scene = load(rest, options);
+    scene.objects[scene.root].children.resize(1);
+    return scene;
+  }
   /// The message of the error that it ends in; "" if there is none.
   std::string error(const std::string& rest) const {
     try {

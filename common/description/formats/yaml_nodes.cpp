@@ -236,8 +236,10 @@ void YamlNodes::read_mesh(const YamlValue& value, YamlMap& node, uint32_t object
   const MeshFormat* format = find_mesh_format(path);
   if (!format) file.fail(fmt::format("a mesh is read from {}; export it as one", mesh_extensions()));
   // What came as an object of its own is used again.
-  uint32_t& known = mesh_files_.try_emplace({path, inherited.material, smoothing, inherited.zone_size}, kNone)
-                        .first->second;
+  uint32_t& known =
+      mesh_files_
+          .try_emplace({path, inherited.material, smoothing, crease, is_replaced, inherited.zone_size}, kNone)
+          .first->second;
   if (known != kNone) {
     scene_.objects[object].children.push_back({known, {}, value.place()});
     return;

@@ -46,7 +46,7 @@ class YamlNodes {
   const LoadOptions& options_;
   std::map<std::string, uint32_t> part_files_;
   std::map<std::pair<uint32_t, float>, uint32_t> zoned_materials_;
-  std::map<std::tuple<std::string, uint32_t, Smoothing, float>, uint32_t> mesh_files_;
+  std::map<std::tuple<std::string, uint32_t, Smoothing, double, bool, float>, uint32_t> mesh_files_;
 };
 
 }  // namespace rayfarm
