@@ -1,5 +1,6 @@
 #include "common/description/quick_look.h"
 
+#include "common/materials/scattering.h"
 #include "common/math/portable_math.h"
 
 namespace rayfarm {
@@ -34,8 +35,13 @@ MaterialDescription matt(const char* name, double color) {
   return material;
 }
 
+/// A lamp's body is brighter than what white surfaces show; what only glows is not.
+bool is_lamp(const Material& m) {
+  return is_luminaire(m) && !m.is_no_lamp && luminance(m.emission) > 1;
+}
+
 bool has_lights(const SceneDescription& scene) {
-  return !scene.lights.empty() ||
+  return !scene.lights.empty() || std::any_of(scene.materials.begin(), scene.materials.end(), is_lamp) ||
          std::any_of(scene.objects.begin(), scene.objects.end(),
                      [](const ObjectDescription& object) { return !object.lights.empty(); });
 }

@@ -62,7 +62,7 @@ class ObjectBounds {
  private:
   void add(uint32_t index, const Affine& world_from_object, size_t depth) {
     const ObjectDescription& object = scene_.objects[index];
-    if (depth > limits::kNestingDepth) return;
+    if (depth > limits::kObjectDepth) return;
     for (const PrimitiveDescription& primitive : object.primitives)
       if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape))
         points_ += 3 * mesh->triangles.size() + mesh->polygons.corners.size();
@@ -75,11 +75,7 @@ class ObjectBounds {
     for (const ChildDescription& child : object.children) {
       if (child.object >= scene_.objects.size()) continue;
       if (child.visible && value_of(*child.visible).x == 0) continue;
-      Affine parent_from_child;
-      for (const TransformStep& step : child.transform)
-        parent_from_child =
-            eval_transform(step.kind, value_of(step.curve), step.axis, step.matrix) * parent_from_child;
-      add(child.object, world_from_object * parent_from_child, depth + 1);
+      add(child.object, world_from_object * eval_steps(child.transform), depth + 1);
     }
   }
 
@@ -87,15 +83,58 @@ class ObjectBounds {
     return eval_curve(curve.interpolation, curve.frames, curve.values, frame_);
   }
 
-  static void grow(Box& bounds, const ObjectDescription& object, const Affine& world_from_object) {
+  void grow(Box& bounds, const ObjectDescription& object, const Affine& world_from_object) {
     for (const PrimitiveDescription& primitive : object.primitives)
-      std::visit(BoxGrower{bounds, world_from_object}, primitive.shape);
+      if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape);
+          mesh && mesh->deformation && mesh->deformation->skeleton != kNone)
+        grow_bent(bounds, *mesh, world_from_object);
+      else
+        std::visit(BoxGrower{bounds, world_from_object}, primitive.shape);
+  }
+
+  /// By a mesh with a skin.
+  void grow_bent(Box& bounds, const MeshShape& mesh, const Affine& world_from_object) {
+    const DeformationDescription& d = *mesh.deformation;
+    const std::vector<Affine>& bones = bones_of(d.skeleton);
+    std::vector<Affine> skin;
+    for (const auto& joint : d.joints) skin.push_back(bones[joint.bone] * joint.bone_from_mesh);
+    for (size_t i = 0; i < mesh.positions.size(); ++i) {
+      Vec3 sum(0);
+      double weights = 0;
+      for (size_t k = i * d.influences; k < (i + 1) * d.influences; ++k) {
+        const auto weight = static_cast<double>(d.weights[k]);
+        if (weight == 0) continue;
+        sum += weight * skin[d.joint_of[k]].point(Vec3(mesh.positions[i]));
+        weights += weight;
+      }
+      if (weights > 0) bounds.grow(world_from_object.point(sum / weights));
+    }
+  }
+
+  /// Those of a skeleton, in its space.
+  const std::vector<Affine>& bones_of(uint32_t skeleton) {
+    skeletons_.resize(scene_.skeletons.size());
+    std::vector<Affine>& bones = skeletons_[skeleton];
+    if (bones.empty())
+      for (const SkeletonDescription::Bone& bone : scene_.skeletons[skeleton].bones) {
+        const Affine own = eval_steps(bone.transform);
+        bones.push_back(bone.parent == kNone ? own : bones[bone.parent] * own);
+      }
+    return bones;
+  }
+
+  Affine eval_steps(std::span<const TransformStep> steps) const {
+    Affine all;
+    for (const TransformStep& step : steps)
+      all = eval_transform(step.kind, value_of(step.curve), step.axis, step.matrix) * all;
+    return all;
   }
 
   const SceneDescription& scene_;
   double frame_;
   std::vector<std::optional<Box>> own_;  ///< of objects in their own space, once there are too many points
   std::vector<Box> bounds_;
+  std::vector<std::vector<Affine>> skeletons_;
   size_t points_ = 0;
 };
 

@@ -19,9 +19,11 @@
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
 #include "tests/fuzz/block_seeds.h"
+#include "tests/fuzz/folder.h"
 #include "tests/fuzz/gltf_seeds.h"
 #include "tests/fuzz/grid_seeds.h"
 #include "tests/fuzz/mesh_seeds.h"
+#include "tests/fuzz/image_bytes.h"
 #include "tests/fuzz/messages.h"
 #include "tests/fuzz/obj_seeds.h"
 #include "tests/fuzz/zone_bytes.h"
@@ -48,15 +50,6 @@ void render_file(const std::string& path) {
   const CompiledScene compiled = compile(scene);
   if (compiled.block.size < 1 << 22) render(compiled.scene, scene.frames ? (*scene.frames)[0] : 0);
 }
-
-struct Folder {
-  std::string path;
-  std::string write(const std::string& name, const std::string& bytes) const {
-    const std::string file = (std::filesystem::path(path) / name).string();
-    std::ofstream(file, std::ios::binary) << bytes;
-    return file;
-  }
-};
 
 std::vector<std::string> scene_seeds(const char* extension) {
   std::vector<std::string> seeds;
@@ -132,36 +125,6 @@ std::string zstd_bomb() {
   std::string bomb(ZSTD_compressBound(much.size()), '\0');
   bomb.resize(ZSTD_compress(bomb.data(), bomb.size(), much.data(), much.size(), 1));
   return bomb;
-}
-
-std::vector<std::string> image_seeds(const Folder& folder) {
-  std::vector<std::string> seeds;
-  const Image image{5, 4, {0, 0, 5, 4}, make_pixel_layout(PixelFormat::rgb8), zeros(3 * 5 * 4)};
-  for (const char* name : {"seed.png", "seed.exr"}) {
-    write_image(folder.path + "/" + name, image, {{"rayfarm/frame", "1"}});
-    seeds.push_back(name[5] + read_file(folder.path + "/" + name, limits::kFileBytes));
-  }
-  seeds.push_back("h#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n0123456789abcdef");
-  return seeds;
-}
-
-/// The first byte names the format.
-void read_images(const Folder& folder, const std::string& bytes) {
-  if (bytes.empty()) return;
-  const char kind = bytes[0];
-  const std::string path = folder.write(kind == 'e'   ? "in.exr"
-                                        : kind == 'h' ? "in.hdr"
-                                                      : "in.png",
-                                        bytes.substr(1));
-  if (kind != 'h') {
-    try {
-      read_image_info(path);
-      check_image_whole(path);
-    } catch (const IoError&) {
-    }
-  }
-  ImageReader reader(path, 1 << 20);
-  for (int y = 0; y < reader.height_px(); ++y) reader.next_row();
 }
 
 std::vector<std::string> settings_seeds() {
@@ -327,41 +290,7 @@ std::vector<Target> make_targets(const std::string& path) {
        [folder](const std::string& bytes) {
          render_file(folder.write(bytes.starts_with("glTF") ? "in.glb" : "in.gltf", bytes));
        },
-       gltf_seeds(),
-       {"[",
-        "]",
-        "{",
-        "}",
-        ",",
-        "\"",
-        ":",
-        "0",
-        "1",
-        "2",
-        "3",
-        "-1",
-        "1e308",
-        "1e-300",
-        "99999999999",
-        "0.5",
-        "null",
-        "true",
-        "\"sparse\":{",
-        "\"mode\":5",
-        "\"children\":[1]",
-        "\"mesh\":0",
-        "\"skin\":0",
-        "\"matrix\":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1]",
-        "\"scale\":[0,0,0]",
-        "\"byteStride\":0",
-        "5121",
-        "5123",
-        "5125",
-        "5126",
-        "\"normalized\":true",
-        "\"STEP\"",
-        "\"CUBICSPLINE\"",
-        "\"MASK\""}},
+       gltf_seeds(), gltf_words()},
       {"ies",
        [folder](const std::string& bytes) {
          GoniometricDiagram diagram;
