@@ -16,17 +16,6 @@ constexpr double kFilled = 0.88;
 /// How far the ground reaches, and how far below the model it is, in radii of the model.
 constexpr double kGroundReach = 60, kGroundGap = 1e-4;
 
-std::string text_of(const Vec3& v) {
-  return fmt::format("[{}, {}, {}]", v.x, v.y, v.z);
-}
-
-/// As a YAML scalar.
-std::string quoted(const std::string& text) {
-  std::string all = "'";
-  for (const char c : text) all += c == '\'' ? std::string("''") : std::string(1, c);
-  return all + "'";
-}
-
 MaterialDescription matt(const char* name, double color) {
   MaterialDescription material(name);
   material.color = Color(color);
@@ -111,31 +100,6 @@ void add_quick_look(SceneDescription& scene, const QuickLook& look) {
   add_child(scene, "lamp", SphereShape{look.lamp, look.lamp_radius}, std::move(lamp));
   scene.render.push_back({"lighting", QuickLook::kLighting, {}});
   scene.render.push_back({"samples", fmt::format("{}", QuickLook::kSamples), {}});
-}
-
-std::string yaml_of_quick_look(const QuickLook& look, const std::string& file, const std::string& mesh_keys,
-                               const std::string& node, bool is_coloured) {
-  const MaterialDescription model = quick_look_material(is_coloured);
-  std::string text = fmt::format(
-      "# Written by `rayfarm convert`, to start from.\n"
-      "view:\n  location: {}\n  look_at: {}\n  field_of_view: {}\n"
-      "render: {{lighting: {}, samples: {}}}\n"
-      "background: {}\n"
-      "materials:\n"
-      "  model: {{color: {}, ambient: {}, diffuse: {}, specular: {}, shininess: {}}}\n"
-      "  ground: {{color: {}, ambient: {}, diffuse: 1}}\n"
-      "  lamp: {{luminaire: {{emission: {}}}}}\n"
-      "scene:\n"
-      "  - name: model\n    material: model\n{}    mesh: {{file: {}{}}}\n",
-      text_of(look.location), text_of(look.look_at), look.field_of_view, QuickLook::kLighting,
-      QuickLook::kSamples, QuickLook::kSky, model.color.x, model.ambient, model.diffuse, model.specular,
-      model.shininess, QuickLook::kGroundColor, QuickLook::kAmbient, QuickLook::kEmission, node, quoted(file),
-      mesh_keys);
-  text += "  - name: ground\n    material: ground\n    polygon: {points: [";
-  for (size_t i = 0; i < look.ground.size(); ++i) text += (i > 0 ? ", " : "") + text_of(look.ground[i]);
-  text += fmt::format("]}}\n  - name: lamp\n    material: lamp\n    sphere: {{center: {}, radius: {}}}\n",
-                      text_of(look.lamp), look.lamp_radius);
-  return text;
 }
 
 }  // namespace rayfarm

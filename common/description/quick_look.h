@@ -30,12 +30,7 @@ QuickLook make_quick_look(const Box& bounds);
 MaterialDescription quick_look_material(bool is_coloured);
 
 /// Gives the scene of a model what it lacks: the camera where it has no view; ground, lamp, sky and how they
-/// are rendered where it has no light. Objects are added to the root's children.
+/// are rendered where it has no light. Ground and lamp, in this order, are added to the root's children.
 void add_quick_look(SceneDescription& scene, const QuickLook& look);
-
-/// The same as a YAML scene that takes the model from a file, whose name is relative to the scene's. Renders
-/// to the same bytes. `node` is what else stands in the model's node, lines with an indent of 4.
-std::string yaml_of_quick_look(const QuickLook& look, const std::string& file, const std::string& mesh_keys,
-                               const std::string& node, bool is_coloured);
 
 }  // namespace rayfarm

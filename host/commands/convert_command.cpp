@@ -21,7 +21,7 @@ struct ConvertOptions {
 
 void check_options(const ConvertOptions& o) {
   if (!find_mesh_format(o.model))
-    throw UsageError(fmt::format("{}: is no mesh that Rayfarm reads ({})", o.model, mesh_extensions()));
+    throw UsageError(fmt::format("{}: is no model that Rayfarm reads ({})", o.model, mesh_extensions()));
   const std::string extension = extension_of(o.output);
   if (extension != ".yaml" && extension != ".yml")
     throw UsageError(fmt::format("{}: the scene's name must end in .yaml", o.output));
@@ -56,11 +56,12 @@ void add_convert_command(CommandLine& line) {
   const auto o = std::make_shared<ConvertOptions>();
   Verb verb;
   verb.name = "convert";
-  verb.help = "write a scene that shows a mesh as `render` does, to start from";
+  verb.help = "write a scene that shows a model as `render` does, to go on from";
   verb.check = [o](const auto&) { check_options(*o); };
   verb.run = [o](const Renders&) { return convert(*o); };
   Options options = line.add(std::move(verb));
-  options.text("MESH", o->model, "the mesh, which the scene will name").required();
+  options.text("MODEL", o->model, ".glb, .gltf, .obj, .off, .ply or .stl, which the scene will name")
+      .required();
   options.text("SCENE", o->output, "the .yaml that is written").required();
   options.flag("--force", o->is_forced, "in place of one that is there already");
 }

@@ -85,10 +85,17 @@ class Meshes(JobTest):
             self.assertNotEqual(scene.read_text(), "mine")
             scene.unlink()
 
+    def test_convert_keeps_what_a_gltf_file_has_of_its_own(self):
+        for name in ("BoxTextured.glb", "cameras/Cameras.gltf", "CornellBox.glb", "AnimatedMorphCube/AnimatedMorphCube.gltf"):
+            model = self.asset("gltf/" + name)
+            scene = self.folder / "scene.yaml"
+            self.assertEqual(self.run_alone("convert", model, scene, "--force").code, 0)
+            self.assertEqual(self.pixels(scene), self.pixels(model), name)
+
     def test_convert_refuses_what_it_can_not_do(self):
         mesh = self.put("a.off", off(self.points, self.faces))
         for arguments, code, text in (((mesh, self.folder / "a.png"), 2, "must end in .yaml"),
-                                      ((self.folder / "a.fbx", self.folder / "a.yaml"), 2, "no mesh that Rayfarm reads"),
+                                      ((self.folder / "a.fbx", self.folder / "a.yaml"), 2, "no model that Rayfarm reads"),
                                       ((self.folder / "none.ply", self.folder / "a.yaml"), 3, "none.ply"),
                                       ((self.put("b.ply", "ply\n"), self.folder / "a.yaml"), 3, "b.ply:")):
             result = self.run_alone("convert", *arguments)
@@ -122,7 +129,7 @@ class Meshes(JobTest):
         for name, content, text in (("a.ply", whole[:-5], "cut off"), ("b.ply", whole.replace(b"vertex 1152", b"vertex 4000000000"), "cut off"),
                                     ("c.stl", stl(self.points, self.faces)[:-5], "cut off"),
                                     ("d.off", off(self.points, self.faces) .replace("\n4 ", "\n4 99999 ", 1), "d.off:"),
-                                    ("e.fbx", "x", "export it as .obj or .ply")):
+                                    ("e.fbx", "x", "export it as .glb")):
             result = self.run_alone("check", self.put(name, content), limit=20)
             self.assertEqual(result.code, 3, result.stderr)
             self.assertIn(text, result.stderr)

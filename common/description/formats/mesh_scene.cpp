@@ -1,6 +1,7 @@
 #include "common/description/formats/mesh_scene.h"
 
 #include "common/description/formats/mesh_loaders.h"
+#include "common/description/formats/model_yaml.h"
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/quick_look.h"
 #include "common/description/scene_bounds.h"
@@ -17,18 +18,18 @@ bool has_z_up(const std::string& path) {
   return extension_of(path) == ".stl";
 }
 
-/// Rows of x y z 1: z becomes y, and y points away from the viewer. Without a rounding error.
-constexpr double kFromZUp[] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0};
+/// Such a file is a scene with materials, and perhaps a view and lights, of its own.
+bool is_gltf(const std::string& path) {
+  return extension_of(path) == ".glb" || extension_of(path) == ".gltf";
+}
 
-struct MeshScene {
+/// The material of the model.
+constexpr uint32_t kModelMaterial = 1;
+
+}  // namespace
+
+SceneDescription load_mesh_scene(const std::string& path, const LoadOptions& options) {
   SceneDescription scene;
-  QuickLook look;
-  bool is_coloured = false;
-};
-
-MeshScene load_model(const std::string& path, const LoadOptions& options) {
-  MeshScene result;
-  SceneDescription& scene = result.scene;
   scene.materials.emplace_back("default");
   scene.objects = {{"scene", {}, {}, {}}, {"model", {}, {}, {}}};
   ChildDescription model{1, {}, {}};
@@ -41,36 +42,26 @@ MeshScene load_model(const std::string& path, const LoadOptions& options) {
   }
   scene.objects[0].children.push_back(std::move(model));
   scene.materials.push_back(quick_look_material(false));
-  const MeshRequest request{path, 1, Smoothing::flat, {}, false, kCrease};
+  const MeshRequest request{path, kModelMaterial, Smoothing::flat, {}, false, kCrease};
   find_mesh_format(path)->load(scene, 1, request, options);
-  for (const ObjectDescription& object : scene.objects)
-    for (const PrimitiveDescription& primitive : object.primitives)
-      if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape))
-        result.is_coloured |= !mesh->colors.empty();
-  scene.materials[1] = quick_look_material(result.is_coloured);
+  bool is_coloured = false;
+  for (const PrimitiveDescription& primitive : scene.objects[1].primitives)
+    if (const auto* mesh = std::get_if<MeshShape>(&primitive.shape)) is_coloured |= !mesh->colors.empty();
+  scene.materials[kModelMaterial] = quick_look_material(is_coloured);
   const Box bounds = bounds_of(scene);
   if (bounds.is_empty()) throw InputError({path}, "there is nothing in it to look at");
-  result.look = make_quick_look(bounds);
-  return result;
-}
-
-}  // namespace
-
-SceneDescription load_mesh_scene(const std::string& path, const LoadOptions& options) {
-  MeshScene model = load_model(path, options);
-  add_quick_look(model.scene, model.look);
-  return std::move(model.scene);
+  add_quick_look(scene, make_quick_look(bounds));
+  return scene;
 }
 
 std::string yaml_of_mesh_scene(const std::string& path, const std::string& file, const LoadOptions& options) {
-  const MeshScene model = load_model(path, options);
-  std::string node;
-  if (has_z_up(path)) {
-    node = "    transform: {matrix: [";
-    for (const double number : kFromZUp) node += fmt::format("{}{}", node.ends_with('[') ? "" : ", ", number);
-    node += "]}  # z is up in the file\n";
-  }
-  return yaml_of_quick_look(model.look, file, fmt::format(", crease: {}", kCrease), node, model.is_coloured);
+  ModelNode node;
+  node.file = file;
+  if (is_gltf(path)) return yaml_of_model(load_gltf_scene(path, options), node);
+  node.mesh_keys = fmt::format(", crease: {}", kCrease);
+  node.material = kModelMaterial;
+  node.has_z_up = has_z_up(path);
+  return yaml_of_model(load_mesh_scene(path, options), node);
 }
 
 SceneDescription load_bare_mesh(const std::string& path, const LoadOptions& options) {

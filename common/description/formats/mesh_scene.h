@@ -4,8 +4,8 @@
 
 namespace rayfarm {
 
-/// A scene that takes a mesh from a file and shows it as load_mesh_scene does, to start from. `file` is the
-/// mesh's name relative to the scene's folder. Throws InputError, IoError and Stopped.
+/// A scene that takes a model from a file and shows it as the file itself is shown, to go on from. `file` is
+/// the mesh's name relative to the scene's folder. Throws InputError, IoError and Stopped.
 std::string yaml_of_mesh_scene(const std::string& path, const std::string& file, const LoadOptions& options);
 
 /// The mesh alone, as it stands in its file: what a scene has that names it with no other key. Throws
