@@ -66,7 +66,8 @@ void add_compile_command(CommandLine& line) {
   verb.check = [o](const auto&) { check_options(*o); };
   verb.run = [o](const Renders&) { return compile_objects(*o); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", o->scene, ".yaml, .nff, .glb, .gltf or a mesh, whose objects are compiled").required();
+  options.text("SCENE", o->scene, ".yaml, .nff, .glb, .gltf or a mesh, whose objects are compiled")
+      .required();
   options.text("-o,--output", o->output, "FILE.rfp, for `use: {file: FILE.rfp}` in scenes; required", "FILE")
       .required();
   add_load_options(options, o->load);
