@@ -32,7 +32,7 @@ MeshShape coloured_square(bool is_one_face) {
 
 /// With an uncoloured triangle before it, far behind, and one after it.
 CompiledScene compiled_square(bool is_one_face, const MaterialDescription& material,
-                        const PrincipledMaterial* principled = nullptr) {
+                              const PrincipledMaterial* principled = nullptr) {
   SceneDescription scene;
   scene.files = {"square"};
   scene.materials.push_back(material);

@@ -242,8 +242,8 @@ void YamlNodes::read_mesh(const YamlValue& value, const std::optional<YamlValue>
   // What came as an object of its own is used again.
   uint32_t& known =
       mesh_files_
-          .try_emplace({path, inherited.material, has_smoothing ? std::optional(smoothing) : std::nullopt, crease,
-                        is_replaced, inherited.zone_size},
+          .try_emplace({path, inherited.material, has_smoothing ? std::optional(smoothing) : std::nullopt,
+                        crease, is_replaced, inherited.zone_size},
                        kNone)
           .first->second;
   if (known != kNone) {
