@@ -225,7 +225,7 @@ struct Arm {
 Box bounds_of_skin(SceneDescription scene, int frame) {
   scene.frames = {frame, frame};
   scene.objects[scene.root].children.resize(1);
-  return bounds_of_meshes(scene);
+  return bounds_of(scene);
 }
 
 TEST(GltfSkin, BendsWithItsBonesAlone) {
