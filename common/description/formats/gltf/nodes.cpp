@@ -65,10 +65,12 @@ std::vector<uint32_t> GltfNodes::roots() const {
   }
   const uint32_t chosen = file_.root().index("scene", file_.count("scenes"));
   const auto nodes = file_.item("scenes", chosen == kNone ? 0 : chosen).find("nodes");
+  std::vector<bool> is_root(parents_.size());
   for (size_t i = 0; nodes && i < nodes->size(); ++i) {
     const uint64_t node = (*nodes)[i].whole_number();
     if (node >= parents_.size()) (*nodes)[i].fail("there is no such node");
-    if (std::find(roots.begin(), roots.end(), node) != roots.end()) (*nodes)[i].fail("it stands here twice");
+    if (is_root[node]) (*nodes)[i].fail("it stands here twice");
+    is_root[node] = true;
     roots.push_back(static_cast<uint32_t>(node));
   }
   for (const uint32_t root : roots)

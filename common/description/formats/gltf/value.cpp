@@ -14,6 +14,51 @@ namespace {
 constexpr int kMostNesting = 128;
 constexpr size_t kMostValues = 4'000'000;
 
+/// Throws InputError for what is no JSON, or too much of it.
+class Looker : public Json::json_sax_t {
+ public:
+  explicit Looker(const std::string& path) : path_(path) {}
+  bool null() override { return count(); }
+  bool boolean(bool) override { return count(); }
+  bool number_integer(number_integer_t) override { return count(); }
+  bool number_unsigned(number_unsigned_t) override { return count(); }
+  bool number_float(number_float_t, const string_t&) override { return count(); }
+  bool string(string_t&) override { return count(); }
+  bool binary(binary_t&) override { return count(); }
+  bool key(string_t&) override { return count(); }
+  bool start_object(size_t) override { return enter(); }
+  bool end_object() override { return leave(); }
+  bool start_array(size_t) override { return enter(); }
+  bool end_array() override { return leave(); }
+  bool parse_error(size_t, const std::string&, const Json::exception& e) override {
+    // "[json.exception.parse_error.101] parse error at line 1, column 2: …"
+    std::string problem = e.what();
+    if (const size_t end = problem.find("] "); end != std::string::npos) problem.erase(0, end + 2);
+    throw InputError(
+        {path_}, fmt::format("not valid JSON: {}; the file is damaged or cut off", problem.substr(0, 300)));
+  }
+
+ private:
+  bool count() {
+    if (++values_ > kMostValues)
+      throw InputError({path_}, fmt::format("its JSON has more than {} values", kMostValues));
+    return true;
+  }
+  bool enter() {
+    if (++depth_ > kMostNesting)
+      throw InputError({path_}, fmt::format("its JSON is nested more than {} deep", kMostNesting));
+    return count();
+  }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+
+  const std::string& path_;
+  int depth_ = 0;
+  size_t values_ = 0;
+};
+
 }  // namespace
 
 void GltfValue::fail(std::string_view problem) const {
@@ -134,23 +179,11 @@ std::optional<GltfValue> GltfValue::extension(const char* name) const {
 }
 
 std::shared_ptr<const Json> parse_gltf_json(std::string_view text, const std::string& path) {
-  size_t values = 0;
-  const auto look = [&](int depth, Json::parse_event_t, Json&) {
-    if (depth > kMostNesting)
-      throw InputError({path}, fmt::format("its JSON is nested more than {} deep", kMostNesting));
-    if (++values > kMostValues)
-      throw InputError({path}, fmt::format("its JSON has more than {} values", kMostValues));
-    return true;
-  };
-  try {
-    return std::make_shared<const Json>(Json::parse(text.begin(), text.end(), look));
-  } catch (const Json::exception& e) {
-    // "[json.exception.parse_error.101] parse error at line 1, column 2: …"
-    std::string problem = e.what();
-    if (const size_t end = problem.find("] "); end != std::string::npos) problem.erase(0, end + 2);
-    throw InputError(
-        {path}, fmt::format("not valid JSON: {}; the file is damaged or cut off", problem.substr(0, 300)));
-  }
+  // Looked through before anything is made of it. (The library's parser with a callback looks at all of a
+  // list for each object in it.)
+  Looker looker(path);
+  Json::sax_parse(text.begin(), text.end(), &looker);
+  return std::make_shared<const Json>(Json::parse(text.begin(), text.end()));
 }
 
 }  // namespace rayfarm
