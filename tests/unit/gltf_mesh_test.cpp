@@ -28,7 +28,7 @@ TEST(GltfMesh, FacesComeByEveryIndexAndTopology) {
   };
   const Case cases[] = {{"triangles", 4, {0, 1, 2, 0, 2, 3}},
                         {"a strip", 5, {0, 1, 3, 2}},
-                        {"a strip with a seam", 5, {0, 1, 1, 3, 2}},
+                        {"strips with a seam", 5, {0, 1, 3, 3, 1, 1, 1, 2, 3}},
                         {"a fan", 6, {0, 1, 2, 3}}};
   for (const auto& [what, mode, order] : cases) {
     const auto with = [&]<typename T>(T) {

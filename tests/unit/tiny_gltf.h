@@ -82,7 +82,8 @@ class TinyGltf {
   /// Without the ground and lamp that files without lights get.
   SceneDescription load_alone(const std::string& rest, const LoadOptions& options = {}) const {
     SceneDescription scene = load(rest, options);
-    scene.objects[scene.root].children.resize(1);
+    for (auto& children = scene.objects[scene.root].children; children.size() > 1; children.pop_back())
+      scene.objects.pop_back();
     return scene;
   }
   /// The message of the error that it ends in; "" if there is none.
