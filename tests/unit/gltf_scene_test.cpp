@@ -277,6 +277,20 @@ TEST(GltfSkin, MorphTargetsHaveTheirWeights) {
   EXPECT_EQ(still[1].weight.values[0].x, 0.5);
 }
 
+TEST(GltfScene, MeshesAreAsSmoothAsIsAskedFor) {
+  TinyGltf file;
+  const size_t p = file.square(), n = file.vectors({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
+  file.write(test::shows(fmt::format(R"("attributes": {{"POSITION": {}, "NORMAL": {}}}, "mode": 6)", p, n)));
+  for (const auto& [words, smoothing] : {std::pair{"", Smoothing::phong},
+                                         {", smooth: flat", Smoothing::flat},
+                                         {", smooth: center", Smoothing::center}}) {
+    const SceneDescription scene =
+        test::load_yaml(test::view_text() + fmt::format("scene: [{{mesh: {{file: tiny.gltf{}}}}}]\n", words));
+    EXPECT_EQ(meshes_of(scene)[0]->smoothing, smoothing) << words;
+    EXPECT_EQ(meshes_of(scene)[0]->normals.empty(), smoothing == Smoothing::flat);
+  }
+}
+
 TEST(GltfScene, AFileIsLoadedOnceHoweverOftenItIsNamed) {
   TinyGltf file;
   file.write(square_and(file, R"("nodes": [{"mesh": 0}], "cameras": [{"type": "x"}])"));

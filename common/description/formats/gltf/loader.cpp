@@ -41,6 +41,25 @@ void check_extensions(const GltfFile& file, Notes& notes) {
                                          fmt::join(used, ", ")));
 }
 
+/// Gives the meshes of objects from `first` on the smoothing that was asked for in place of the file's.
+void set_smoothing(SceneDescription& scene, size_t first, const MeshRequest& request) {
+  size_t without_normals = 0;
+  for (size_t i = first; i < scene.objects.size(); ++i)
+    for (PrimitiveDescription& primitive : scene.objects[i].primitives) {
+      auto& mesh = std::get<MeshShape>(primitive.shape);
+      mesh.smoothing = mesh.normals.empty() ? Smoothing::flat : request.smoothing;
+      without_normals += mesh.normals.empty() ? 1 : 0;
+      if (mesh.smoothing != Smoothing::flat) continue;
+      mesh.normals.clear();
+      mesh.triangle_normals.clear();
+    }
+  if (without_normals > 0 && request.smoothing != Smoothing::flat)
+    scene.notes.add(
+        scene.source(request.place),
+        fmt::format("`smooth` does nothing for {} primitive{} without normals: in glTF these are flat",
+                    without_normals, without_normals == 1 ? "" : "s"));
+}
+
 }  // namespace
 
 SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& options) {
@@ -70,8 +89,13 @@ void load_gltf_mesh(SceneDescription& scene, uint32_t object, const MeshRequest&
   scene.files.push_back(request.path);
   check_extensions(file, scene.notes);
   const GltfAnimation animation(file, scene.notes);
+  const size_t first_object = scene.objects.size();
   GltfNodes nodes(file, scene, animation, request.place);
   const uint32_t root = nodes.add_all();
+  if (request.is_smoothing_asked_for) set_smoothing(scene, first_object, request);
+  if (request.crease > 0)
+    scene.notes.add(scene.source(request.place),
+                    "`crease` does nothing for glTF, whose meshes have normals or are flat");
   nodes.add_notes();
   scene.objects[object].children.push_back({root, {}, request.place});
   if (!scene.frames) scene.frames = animation.frames();
