@@ -43,6 +43,7 @@ class SceneLoading {
     loaded.description = load_scene(options.scene, how);
     loaded.load_s = now_s() - begin;
     loaded.options = options.adopt ? options.adopt(loaded.description) : options;
+    loaded.options.adopt = options.adopt;  // it was asked
     BuildOptions build = options.build;
     build.progress = building;
     build.stop = std::move(stop);
