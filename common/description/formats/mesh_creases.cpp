@@ -8,7 +8,7 @@
 namespace rayfarm {
 namespace {
 
-constexpr size_t kFacesPerLook = 1 << 14;
+constexpr size_t kEdgesPerLook = 1 << 14;
 
 /// Sets of faces; each is named by one of them.
 class FaceSets {
@@ -68,7 +68,7 @@ SmoothingGroups groups_by_crease(const MeshShape& mesh, double degrees, const st
   std::vector<Vec3> points;
   size_t begin = 0;
   for (size_t i = 0; i < count; ++i) {
-    if (i % kFacesPerLook == 0) throw_if_stopped(stop);
+    if (i % kEdgesPerLook == 0) throw_if_stopped(stop);
     std::span<const uint32_t> corners;
     if (i < triangles) {
       corners = std::span(&mesh.triangles[i].x, 3);

@@ -8,7 +8,7 @@ namespace rayfarm {
 namespace {
 
 /// How often long loops ask whether to stop.
-constexpr size_t kFacesPerLook = 1 << 14;
+constexpr size_t kCornersPerLook = 1 << 14;
 
 /// The normals of a mesh: one for each group at each position.
 class GroupNormals {
@@ -72,7 +72,7 @@ void smooth_normals(MeshShape& mesh, const SmoothingGroups& groups, const std::s
   std::vector<Vec3> points;
   mesh.triangle_normals.resize(mesh.triangles.size());
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (i % kFacesPerLook == 0) throw_if_stopped(stop);
+    if (i % kCornersPerLook == 0) throw_if_stopped(stop);
     const glm::uvec3& t = mesh.triangles[i];
     const std::array<uint32_t, 3> corners{t.x, t.y, t.z};
     const std::array<Vec3, 3> corner_points{Vec3(mesh.positions[t.x]), Vec3(mesh.positions[t.y]),
@@ -84,7 +84,7 @@ void smooth_normals(MeshShape& mesh, const SmoothingGroups& groups, const std::s
   MeshPolygons& polygons = mesh.polygons;
   polygons.normals.resize(polygons.corners.size());
   for (size_t i = 0, begin = 0; i < polygons.sides.size(); begin += polygons.sides[i++]) {
-    if (i % kFacesPerLook == 0) throw_if_stopped(stop);
+    if (i % kCornersPerLook == 0) throw_if_stopped(stop);
     const auto corners = std::span<const uint32_t>(polygons.corners).subspan(begin, polygons.sides[i]);
     points.clear();
     for (const uint32_t corner : corners) points.emplace_back(mesh.positions[corner]);

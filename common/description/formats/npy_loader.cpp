@@ -85,13 +85,13 @@ double number_at(const char* data) {
   return static_cast<double>(value);
 }
 
-struct NumberType {
+struct NpyType {
   const char* name;
   size_t bytes;
   double (*read)(const char*);
   double scale;
 };
-constexpr NumberType kTypes[] = {
+constexpr NpyType kTypes[] = {
     {"|u1", 1, number_at<uint8_t>, 255},
     {"<u2", 2, number_at<uint16_t>, 65535},
     {"<f2", 2,
@@ -107,7 +107,7 @@ ArrayValues load_npy(const std::string& path, uint64_t most_cells, const std::st
   HeaderReader reader(bytes, path);
   const Header header = reader.read();
   const auto* const type = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                        [&](const NumberType& t) { return t.name == header.type; });
+                                        [&](const NpyType& t) { return t.name == header.type; });
   if (type == std::end(kTypes))
     reader.fail(fmt::format("its numbers are of the type '{}'; save them as float32 or uint8", header.type));
   const std::vector<uint64_t>& shape = header.shape;

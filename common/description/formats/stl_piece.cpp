@@ -9,7 +9,7 @@
 namespace rayfarm {
 namespace {
 
-constexpr uint64_t kRowsPerLook = 1 << 12;
+constexpr uint64_t kBinaryFacetsPerLook = 1 << 12;
 
 bool is_word(std::string_view word, std::string_view lower) {
   return word.size() == lower.size() &&
@@ -24,7 +24,7 @@ class StlPieceReader {
 
   void read() {
     for (uint64_t row = 0; words_.next_row(); ++row) {
-      if (row % kRowsPerLook == 0) throw_if_stopped(stop_);
+      if (row % kBinaryFacetsPerLook == 0) throw_if_stopped(stop_);
       read_row();
     }
     if (state_ != State::between) words_.fail("the file ends within a facet; it was cut off");

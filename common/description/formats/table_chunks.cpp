@@ -8,7 +8,7 @@ namespace {
 
 /// Enough that a thread's start does not count.
 constexpr uint64_t kRowsPerChunk = 1 << 16;
-constexpr uint64_t kRowsPerLook = 1 << 14;
+constexpr uint64_t kTextRowsPerLook = 1 << 14;
 
 /// Lines of a text, and those of them that are rows.
 struct LineCount {
@@ -20,7 +20,7 @@ struct LineCount {
 size_t count_lines(std::string_view text, uint64_t most, const std::stop_token& stop, LineCount& count) {
   size_t at = 0;
   while (at < text.size() && count.rows < most) {
-    if (count.lines % kRowsPerLook == 0) throw_if_stopped(stop);
+    if (count.lines % kTextRowsPerLook == 0) throw_if_stopped(stop);
     while (at < text.size() && is_blank(text[at])) ++at;
     if (at < text.size() && !is_line_end(text[at]) && text[at] != '#') ++count.rows;
     while (at < text.size() && !is_line_end(text[at])) ++at;
