@@ -1,35 +1,58 @@
 #pragma once
-// OBJ and NFF texts that are read in pieces, and all that they become: what unit tests and the fuzzer
-// compare.
+// OBJ, PLY, STL and NFF texts that are read in pieces, and all that they become: what unit tests and the
+// fuzzer compare.
 #include <fmt/core.h>
 
 #include <stdexcept>
 
 #include "common/description/formats/nff_scene.h"
 #include "common/description/formats/obj_mesh.h"
+#include "common/description/formats/ply_header.h"
+#include "common/description/formats/stl_mesh.h"
 #include "common/errors/input_error.h"
 
 namespace rayfarm::test {
 
-struct ObjOutcome {
+struct MeshOutcome {
   MeshShape mesh;
   std::vector<std::string> notes, materials;
   std::string error;
 };
 
-inline ObjOutcome read_obj(std::string_view text, const std::string& path, std::span<const size_t> borders,
-                           Smoothing smoothing = Smoothing::phong) {
+/// What read(scene) makes of a file.
+template <typename Read>
+MeshOutcome mesh_outcome(Read read) {
   SceneDescription scene;
   scene.materials.emplace_back("default");
-  ObjOutcome outcome;
+  MeshOutcome outcome;
   try {
-    outcome.mesh = read_obj_mesh(scene, text, {path, 0, smoothing, {}}, borders);
+    outcome.mesh = read(scene);
   } catch (const InputError& e) {
     outcome.error = e.what();
   }
   outcome.notes = scene.notes.lines();
   for (const MaterialDescription& m : scene.materials) outcome.materials.push_back(m.name);
   return outcome;
+}
+
+inline MeshOutcome read_obj(std::string_view text, const std::string& path, std::span<const size_t> borders,
+                            Smoothing smoothing = Smoothing::phong) {
+  return mesh_outcome([&](SceneDescription& scene) {
+    return read_obj_mesh(scene, text, {path, 0, smoothing, {}}, borders);
+  });
+}
+inline MeshOutcome read_stl(std::string_view bytes, const std::string& path, std::span<const size_t> borders,
+                            Smoothing smoothing = Smoothing::phong) {
+  return mesh_outcome([&](SceneDescription& scene) {
+    return read_stl_mesh(scene, bytes, {path, 0, smoothing, {}}, borders, {});
+  });
+}
+inline MeshOutcome read_ply(std::string_view bytes, const std::string& path, std::span<const size_t> borders,
+                            Smoothing smoothing = Smoothing::phong) {
+  return mesh_outcome([&](SceneDescription& scene) {
+    const MeshTables tables = read_ply_header(scene, bytes, path);
+    return read_mesh_tables(scene, tables, {path, 0, smoothing, {}}, borders, {});
+  });
 }
 
 inline bool is_same(const MeshShape& a, const MeshShape& b) {
@@ -41,7 +64,7 @@ inline bool is_same(const MeshShape& a, const MeshShape& b) {
          a.polygons.materials == b.polygons.materials;
 }
 /// What a mesh held before its error does not count.
-inline bool is_same(const ObjOutcome& a, const ObjOutcome& b) {
+inline bool is_same(const MeshOutcome& a, const MeshOutcome& b) {
   return a.error == b.error && a.notes == b.notes && a.materials == b.materials &&
          (!a.error.empty() || is_same(a.mesh, b.mesh));
 }

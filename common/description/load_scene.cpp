@@ -1,10 +1,8 @@
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
+#include <algorithm>
 #include <set>
 
+#include "common/description/formats/mesh_loaders.h"
 #include "common/description/formats/scene_loaders.h"
-#include "common/files/regular_file.h"
 #include "common/image/image_file.h"
 
 namespace rayfarm {
@@ -20,15 +18,10 @@ constexpr Format kFormats[] = {{".yaml", load_yaml_scene}, {".yml", load_yaml_sc
                                {".gltf", load_gltf_scene}, {".rfp", load_part_scene}};
 
 /// What to do with a file that is no scene.
-std::string advice_for(const std::string& path, const std::string& extension) {
-  static const std::set<std::string> kOtherMeshes{".3ds", ".abc", ".blend", ".dae",  ".fbx",  ".off",
-                                                  ".ply", ".stl", ".usd",   ".usda", ".usdc", ".usdz"};
-  const bool is_other = kOtherMeshes.contains(extension);
-  if (extension != ".obj" && !is_other) return "";
-  std::filesystem::path mesh = std::filesystem::path(path).filename();
-  if (is_other) mesh.replace_extension(".obj");
-  return fmt::format("; {} .obj mesh{} goes into a .yaml scene: `- mesh: {{file: {}}}`",
-                     is_other ? "export it as an" : "an", is_other ? ", which" : "", mesh.string());
+std::string advice_for(const std::string& extension) {
+  static const std::set<std::string> kOtherModels{".3ds",  ".3mf", ".abc",  ".blend", ".dae", ".fbx",
+                                                  ".step", ".usd", ".usda", ".usdc",  ".usdz"};
+  return kOtherModels.contains(extension) ? "; export it as .glb" : "";
 }
 
 /// Says what was asked for and changes nothing.
@@ -48,17 +41,18 @@ void add_notes_of_idle_options(SceneDescription& scene, const std::string& exten
 
 SceneDescription load_scene(const std::string& path, const LoadOptions& options) try {
   const std::string extension = extension_of(path);
-  for (const Format& format : kFormats) {
-    if (extension != format.extension) continue;
-    SceneDescription scene = format.load(path, options);
-    add_notes_of_idle_options(scene, extension, options);
-    validate(scene, options.stop);
-    return scene;
-  }
-  throw IoError(
-      fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml, .nff, .glb and .gltf, and objects "
-                  "that it compiled (.rfp){}",
-                  path, extension, advice_for(path, extension)));
+  const auto format = std::find_if(std::begin(kFormats), std::end(kFormats),
+                                   [&](const Format& f) { return extension == f.extension; });
+  if (format == std::end(kFormats) && !find_mesh_format(path))
+    throw IoError(
+        fmt::format("{}: unknown scene format '{}'; Rayfarm reads .yaml and .nff, meshes ({}), and objects "
+                    "that it compiled (.rfp){}",
+                    path, extension, mesh_extensions(), advice_for(extension)));
+  SceneDescription scene =
+      format != std::end(kFormats) ? format->load(path, options) : load_mesh_scene(path, options);
+  add_notes_of_idle_options(scene, extension, options);
+  validate(scene, options.stop);
+  return scene;
 } catch (const std::bad_alloc&) {
   throw IoError(fmt::format("{}: the scene and its files need more memory than there is", path));
 }

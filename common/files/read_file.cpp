@@ -89,7 +89,7 @@ std::string read_text_file(const std::string& path, uintmax_t max_bytes, const s
   return text;
 }
 
-FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
+FileText read_large_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
   FileText result;
   result.path_ = path;
   result.opened_ = open_regular_file(path);
@@ -97,7 +97,13 @@ FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, cons
   require_size(path, size, max_bytes);
   result.bytes_.reset(static_cast<char*>(allocate_large(size)));
   const size_t read = read_bytes(path, result.opened_, 0, size, result.bytes_.get(), stop);
-  result.text_ = checked_text(path, {result.bytes_.get(), read});
+  result.text_ = {result.bytes_.get(), read};
+  return result;
+}
+
+FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {
+  FileText result = read_large_file(path, max_bytes, stop);
+  result.text_ = checked_text(path, result.text_);
   return result;
 }
 

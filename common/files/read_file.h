@@ -1,5 +1,5 @@
 #pragma once
-// Whole files as text.
+// Whole files, as text or as bytes.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,7 +15,7 @@ std::string read_file(const std::string& path, uintmax_t max_bytes, const std::s
 /// The same of a file of text. A mark of UTF-8 at its beginning is left out; UTF-16 and UTF-32 are refused.
 std::string read_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop = {});
 
-/// The text of a large file.
+/// The text, or the bytes, of a large file.
 class FileText {
  public:
   std::string_view text() const { return text_; }
@@ -27,6 +27,7 @@ class FileText {
   void read_again(std::string_view part);
 
  private:
+  friend FileText read_large_file(const std::string&, uintmax_t, const std::stop_token&);
   friend FileText read_large_text_file(const std::string&, uintmax_t, const std::stop_token&);
   char* place_of(std::string_view part) { return bytes_.get() + (part.data() - bytes_.get()); }
   struct Free {
@@ -37,8 +38,9 @@ class FileText {
   std::unique_ptr<char, Free> bytes_;
   std::string_view text_;
 };
-/// As read_text_file. The file is read and not mapped: what becomes of it meanwhile ends in an error at
-/// worst.
+/// As read_file. The file is read and not mapped: what becomes of it meanwhile ends in an error at worst.
+FileText read_large_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop = {});
+/// The same of a file of text, as read_text_file.
 FileText read_large_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop = {});
 
 }  // namespace rayfarm

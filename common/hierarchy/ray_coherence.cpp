@@ -96,7 +96,8 @@ RayCoherence::RayCoherence(const Scene& scene)
 
 void RayCoherence::note_hit(const HitPlace& place, const Vec3& origin, const Vec3& point) {
   uint32_t bits = place.place.bits;
-  if (place.place.kind() == PointerKind::triangle) {  // the first of those that stand side by side
+  if (place.place.kind() == PointerKind::triangle) {        // the first of those that stand side by side
+    if (place.place.place() / 8 >= blocks_.size()) return;  // of a frame's own, which are no candidates
     const auto id_at = [&](uint32_t i) { return blocks_[i / 8].primitives[i % 8]; };
     while (bits > 0 && id_at(bits - 1) == id_at(bits)) --bits;
   }

@@ -36,6 +36,14 @@ class Sampler {
   /// of the cells is random.
   Vec2 point(const SampleId& id, uint32_t dimension) const;
 
+  /// The numbers of the i-th of `count` rays that a sample sends in place of one: those of Sobol's sequence
+  /// go on among the samples' own, as if there were so many more samples; in other patterns they are of a
+  /// pixel far away.
+  SampleId split(const SampleId& id, uint32_t i, uint32_t count) const {
+    if (is_sobol()) return {id.x, id.y, id.sample * count + i};
+    return {id.x, id.y ^ static_cast<int>(i << kSplitShift), id.sample};
+  }
+
   int frame() const { return frame_; }
 
   // What points of several samples at once are made of (sobol-inl.h), where the pattern is Sobol's.
@@ -52,6 +60,8 @@ class Sampler {
   static constexpr uint32_t kMostPoissonSamples = 1024;
 
  private:
+  static constexpr uint32_t kSplitShift = 20;  ///< pictures have fewer rows
+
   SamplingPattern pattern_;
   uint32_t samples_;
   uint64_t seed_, seed_bits_;

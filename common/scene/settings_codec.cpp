@@ -59,8 +59,8 @@ void check_settings(const RenderSettings& settings) {
   if (!(zones.size == 0 || (zones.size >= 1e-12 && zones.size <= 1e12)) || zones.rays < 1 ||
       zones.rays > kMostZoneRays || zones.samples < 1 || zones.samples > 65536 || zones.batch < 1 ||
       zones.batch > 1 << 20 || !(zones.tolerance >= 1e-9 && zones.tolerance <= 1) ||
-      zones.hemicube_cells < 2 || zones.hemicube_cells > 4096 ||
-      !(zones.most_GiB >= 0.001 && zones.most_GiB <= 1024))
+      zones.hemicube_cells < 2 || zones.hemicube_cells > 4096 || zones.gather_rays < 1 ||
+      zones.gather_rays > kMostGatherRays || !(zones.most_GiB >= 0.001 && zones.most_GiB <= 1024))
     throw SettingsError("a number among the settings of zones is out of range");
   if (const uint64_t directions = diffuse_directions_of(settings); directions > kMostDiffuseDirections)
     throw SettingsError(fmt::format(

@@ -11,7 +11,7 @@ enum class ZoneView : uint8_t {
   flat,    ///< each zone as one colour
   smooth,  ///< linear between the zones' corners
   direct,  ///< light straight from sources by shadow rays, the rest from zones, smoothed
-  gather   ///< light straight from sources by shadow rays, the rest by one ray each that reads zones
+  gather   ///< light straight from sources by shadow rays, the rest by rays that read zones
 };
 inline constexpr std::array kZoneViewWords{"flat", "smooth", "direct", "gather"};
 
@@ -39,6 +39,9 @@ inline constexpr std::array kZoneShootingWords{"all", "one"};
 /// Of a round; ranges of them travel as pairs of 32 bits.
 inline constexpr uint32_t kMostZoneRays = 1u << 30;
 
+/// From a point that is seen.
+inline constexpr uint32_t kMostGatherRays = 1024;
+
 struct ZoneSettings {
   double size = 0;  ///< of a zone, in the world: its longest side is no longer; 0: chosen by the scene's area
   uint32_t rays =
@@ -47,6 +50,7 @@ struct ZoneSettings {
   uint32_t batch = 4096;    ///< rays that a node traces at a time
   double tolerance = 1e-3;  ///< rounds end when so much of all power is unsent
   ZoneView view = ZoneView::direct;
+  uint32_t gather_rays = 1;  ///< of the view `gather`, from each point that is seen
   FormFactors form_factors = FormFactors::rays;
   uint32_t hemicube_cells = 64;  ///< along an edge of the cube's top
   ZonePrimary primary = ZonePrimary::direct;
@@ -57,8 +61,8 @@ struct ZoneSettings {
 
   template <typename Archive>
   void serialize(Archive& archive) {
-    archive(size, rays, samples, batch, tolerance, view, form_factors, hemicube_cells, primary, shooting,
-            most_GiB);
+    archive(size, rays, samples, batch, tolerance, view, gather_rays, form_factors, hemicube_cells, primary,
+            shooting, most_GiB);
   }
   friend bool operator==(const ZoneSettings&, const ZoneSettings&) = default;
 };

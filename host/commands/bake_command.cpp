@@ -55,7 +55,7 @@ void add_bake_command(CommandLine& line) {
   verb.run = [words](const Renders& renders) { return renders.as_launched(words->job); };
   verb.is_for_all_ranks = true;
   Options options = line.add(std::move(verb));
-  options.text("SCENE", o.scene, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  options.text("SCENE", o.scene, kSceneKinds).required();
   add_load_options(options, o.load);
   options.begin_group("Output");
   options

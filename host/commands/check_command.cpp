@@ -52,7 +52,7 @@ void add_check_command(CommandLine& line) {
   verb.help = "validate a scene and list every file it uses";
   verb.run = [path, load, build](const Renders&) { return check(*path, *load, *build); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", *path, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  options.text("SCENE", *path, kSceneKinds).required();
   add_load_options(options, *load);
   add_hierarchy_options(options, *build);
 }

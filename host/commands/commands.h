@@ -9,6 +9,7 @@ void add_bake_command(CommandLine& line);
 void add_check_command(CommandLine& line);
 void add_info_command(CommandLine& line);
 void add_compile_command(CommandLine& line);
+void add_convert_command(CommandLine& line);
 void add_compare_command(CommandLine& line);
 void add_experiment_command(CommandLine& line);
 void add_model_command(CommandLine& line);

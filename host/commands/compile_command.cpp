@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include "common/compile/compile.h"
+#include "common/description/formats/mesh_loaders.h"
+#include "common/description/formats/mesh_scene.h"
 #include "common/description/part_file.h"
 #include "common/image/image_file.h"
 #include "host/commands/commands.h"
@@ -33,7 +35,8 @@ int compile_objects(const CompileOptions& o) try {
   const StopOnInterrupt stop;
   LoadOptions load = o.load;
   load.stop = stop.token();
-  const SceneDescription scene = load_scene(o.scene, load);
+  const SceneDescription scene =
+      find_mesh_format(o.scene) ? load_bare_mesh(o.scene, load) : load_scene(o.scene, load);
   BuildOptions build = o.build;
   build.stop = stop.token();
   const CompiledScene compiled = compile(scene, build, Purpose::library);
@@ -63,7 +66,8 @@ void add_compile_command(CommandLine& line) {
   verb.check = [o](const auto&) { check_options(*o); };
   verb.run = [o](const Renders&) { return compile_objects(*o); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", o->scene, ".yaml, .nff, .glb or .gltf, whose objects are compiled").required();
+  options.text("SCENE", o->scene, ".yaml, .nff, .glb, .gltf or a mesh, whose objects are compiled")
+      .required();
   options.text("-o,--output", o->output, "FILE.rfp, for `use: {file: FILE.rfp}` in scenes; required", "FILE")
       .required();
   add_load_options(options, o->load);

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include "common/description/primitive_counts.h"
+#include "common/description/scene_bounds.h"
 #include "common/hierarchy/bounding_tree.h"
 #include "common/hierarchy/frame_state.h"
 #include "common/hierarchy/storage.h"
@@ -28,34 +29,131 @@ std::string text_of(const PrimitiveCounts& counts) {
   return text;
 }
 
+/// Of parts of the print-out that name one thing a line.
+constexpr size_t kMostLines = 60;
+
+/// False when it has said that the rest is left out.
+bool take_line(size_t& lines_left) {
+  if (lines_left == 0) return false;
+  if (--lines_left == 0) fmt::print("  …\n");
+  return lines_left > 0;
+}
+
+std::string text_of(const Box& box) {
+  return fmt::format("x {:g} to {:g}, y {:g} to {:g}, z {:g} to {:g}", box.lo.x, box.hi.x, box.lo.y, box.hi.y,
+                     box.lo.z, box.hi.z);
+}
+
 /// Of objects and groups in a mesh's file.
 void print_names(const MeshShape& mesh, size_t depth, size_t& lines_left) {
   for (const NamedFaces& name : mesh.names) {
-    if (lines_left == 0) return;
-    if (--lines_left == 0)
-      fmt::print("  …\n");
-    else
-      fmt::print("  {:{}}{}: faces {}\n", "", 2 * depth, name.name, name.faces);
+    if (!take_line(lines_left)) return;
+    fmt::print("  {:{}}{}: faces {}\n", "", 2 * depth, name.name, name.faces);
   }
 }
 
-void print_tree(const SceneDescription& scene, uint32_t object, size_t depth, size_t& lines_left) {
-  if (lines_left == 0) return;
-  if (--lines_left == 0) {
-    fmt::print("  …\n");
-    return;
-  }
+void print_tree(const SceneDescription& scene, const std::vector<Box>& bounds, uint32_t object, size_t depth,
+                size_t& lines_left) {
+  if (!take_line(lines_left)) return;
   const ObjectDescription& o = scene.objects[object];
-  fmt::print("  {:{}}{}{}{}\n", "", 2 * depth, o.name,
+  fmt::print("  {:{}}{}{}{}{}\n", "", 2 * depth, o.name,
              o.primitives.empty() && !o.built ? "" : ": " + text_of(count_primitives(scene, o)),
              o.children.empty()
                  ? ""
-                 : fmt::format(" ({} child{})", o.children.size(), o.children.size() == 1 ? "" : "ren"));
-  for (const PrimitiveDescription& p : o.primitives) {
-    const auto* mesh = std::get_if<MeshShape>(&p.shape);
-    if (mesh) print_names(*mesh, depth + 1, lines_left);
+                 : fmt::format(" ({} child{})", o.children.size(), o.children.size() == 1 ? "" : "ren"),
+             bounds[object].is_empty() ? "" : "; " + text_of(bounds[object]));
+  for (const PrimitiveDescription& p : o.primitives)
+    if (const auto* mesh = std::get_if<MeshShape>(&p.shape)) print_names(*mesh, depth + 1, lines_left);
+  for (const ChildDescription& child : o.children)
+    print_tree(scene, bounds, child.object, depth + 1, lines_left);
+}
+
+const char* word_of(MaterialKind kind) {
+  switch (kind) {
+    case MaterialKind::classical:
+      return "classical";
+    case MaterialKind::lambertian:
+      return "lambertian";
+    case MaterialKind::conductor:
+      return "conductor";
+    case MaterialKind::dielectric:
+      return "dielectric";
+    case MaterialKind::polished:
+      return "polished";
+    case MaterialKind::translucent:
+      return "translucent";
+    case MaterialKind::luminaire:
+      return "luminaire";
+    case MaterialKind::mix:
+      return "mix";
+    case MaterialKind::principled:
+      return "principled";
   }
-  for (const ChildDescription& child : o.children) print_tree(scene, child.object, depth + 1, lines_left);
+  return "";
+}
+
+const char* word_of(TextureKind kind) {
+  switch (kind) {
+    case TextureKind::checker:
+      return "checker";
+    case TextureKind::noise:
+      return "noise";
+    case TextureKind::marble:
+      return "marble";
+    case TextureKind::wood:
+      return "wood";
+    case TextureKind::boards:
+      return "boards";
+    case TextureKind::bricks:
+      return "bricks";
+    case TextureKind::fourier:
+      return "fourier";
+    case TextureKind::image:
+      return "image";
+    case TextureKind::array:
+      return "array";
+  }
+  return "";
+}
+
+/// Their colours are the factors of textures, where they have some.
+void print_materials(const SceneDescription& scene) {
+  fmt::print("materials\n");
+  size_t lines = kMostLines;
+  for (const MaterialDescription& m : scene.materials) {
+    if (!take_line(lines)) return;
+    std::vector<uint32_t> textures;
+    const auto add = [&](uint32_t texture) {
+      if (texture != kNone && std::find(textures.begin(), textures.end(), texture) == textures.end())
+        textures.push_back(texture);
+    };
+    add(m.texture);
+    add(m.bump);
+    if (m.kind == MaterialKind::principled)
+      for (const PrincipledSource& source : scene.principled[m.principled].sources) add(source.texture);
+    std::string names;
+    for (const uint32_t texture : textures)
+      names += (names.empty() ? "; " : ", ") + scene.textures[texture].name;
+    fmt::print("  {}: {}, colour {:.3g} {:.3g} {:.3g}{}{}\n", m.name, word_of(m.kind), m.color.x, m.color.y,
+               m.color.z,
+               m.emission == Color(0)
+                   ? ""
+                   : fmt::format(", shines {:.3g} {:.3g} {:.3g}", m.emission.x, m.emission.y, m.emission.z),
+               names);
+  }
+}
+
+void print_textures(const SceneDescription& scene) {
+  if (scene.textures.empty()) return;
+  fmt::print("textures\n");
+  size_t lines = kMostLines;
+  for (const TextureDescription& t : scene.textures) {
+    if (!take_line(lines)) return;
+    std::string size;
+    if (t.kind == TextureKind::image) size = fmt::format(" {}×{}", t.width_px, t.height_px);
+    if (t.kind == TextureKind::array) size = fmt::format(" {}×{}×{}", t.width_px, t.height_px, t.depth_px);
+    fmt::print("  {}: {}{}\n", t.name, word_of(t.kind), size);
+  }
 }
 
 std::string megabytes(size_t bytes) {
@@ -182,15 +280,15 @@ int print_info(const std::string& path, const LoadOptions& load, const BuildOpti
   Box box;
   for (const InstancePose& pose : s.poses)
     if (!pose.is_hidden) box.grow(pose.bounds);
-  if (!box.is_empty())
-    fmt::print("bounds\n  x {:g} to {:g}, y {:g} to {:g}, z {:g} to {:g}\n", box.lo.x, box.hi.x, box.lo.y,
-               box.hi.y, box.lo.z, box.hi.z);
+  if (!box.is_empty()) fmt::print("bounds\n  {}\n", text_of(box));
   if (!scene.render.empty()) fmt::print("render, where the command line says nothing else\n");
   for (const RenderChoice& choice : scene.render) fmt::print("  {} {}\n", choice.name, choice.value);
   print_zones(s, zones, scene.frames ? (*scene.frames)[0] : 0);
-  fmt::print("object tree\n");
-  size_t lines = 60;
-  print_tree(scene, scene.root, 0, lines);
+  print_materials(scene);
+  print_textures(scene);
+  fmt::print("object tree, and bounds in the world of what objects have themselves\n");
+  size_t lines = kMostLines;
+  print_tree(scene, bounds_of_objects(scene), scene.root, 0, lines);
   fmt::print("memory (the block that load data carries)\n");
   for_each_array(s, [&]<typename T>(const char* name, std::span<const T> array) {
     if (array.size_bytes() >= 1024)
@@ -210,10 +308,10 @@ void add_info_command(CommandLine& line) {
   const auto zones = std::make_shared<ZoneSettings>();
   Verb verb;
   verb.name = "info";
-  verb.help = "print a scene's counts, bounds, zones, object tree and memory";
+  verb.help = "print a scene's counts, bounds, zones, materials, textures, object tree and memory";
   verb.run = [path, load, build, zones](const Renders&) { return print_info(*path, *load, *build, *zones); };
   Options options = line.add(std::move(verb));
-  options.text("SCENE", *path, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  options.text("SCENE", *path, kSceneKinds).required();
   add_load_options(options, *load);
   add_hierarchy_options(options, *build);
   options.begin_group("Zones");

@@ -282,7 +282,7 @@ void check_combinations(const RenderOptions& o) {
 }  // namespace
 
 void add_render_options(Options& options, RenderOptions& o) {
-  options.text("SCENE", o.scene, ".yaml, .nff, .glb, .gltf or .rfp").required();
+  options.text("SCENE", o.scene, kSceneKinds).required();
   add_load_options(options, o.load);
   add_picture(options, o);
   add_light(options, o);

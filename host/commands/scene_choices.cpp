@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "common/description/formats/mesh_loaders.h"
 #include "common/errors/input_error.h"
 #include "common/files/read_file.h"
 #include "common/image/image_file.h"
@@ -92,8 +93,9 @@ RenderOptions join(const std::vector<std::string>& words, const SceneDescription
   }
 }
 
-/// True if the scene may have a `render` block.
+/// True if the scene may have a `render` block, or is a mesh, for which one is made.
 bool may_choose(const std::string& path) {
+  if (find_mesh_format(path)) return true;
   const std::string extension = extension_of(path);
   if (extension != ".yaml" && extension != ".yml") return false;
   try {

@@ -46,7 +46,9 @@ void add_zone_options(Options& options, RenderOptions& o) {
 void add_zone_view_option(Options& options, RenderOptions& o) {
   options.choice<ZoneView>("--zone-view", o.settings.zones.view, choices<ZoneView>(kZoneViewWords),
                            "zones as they are; smoothed; smoothed, with light straight from sources by "
-                           "shadow rays; or read by one ray from each point that is seen (default: direct)");
+                           "shadow rays; or read by rays from each point that is seen (default: direct)");
+  options.number("--gather-rays", o.settings.zones.gather_rays, 1, kMostGatherRays,
+                 "of --zone-view gather: how many rays read zones from each point that is seen (default: 1)");
 }
 
 }  // namespace rayfarm

@@ -118,10 +118,13 @@ void name_idle_zone_options(const RenderSettings& s, std::vector<std::string>& n
   if (!has_zones(s.lighting)) {
     if (!(zones == usual))
       notes.emplace_back(
-          "options of zones (--zone-..., --shoot, --form-factors, --hemicube) belong to --lighting radiosity "
+          "options of zones (--zone-..., --gather-rays, --shoot, --form-factors, --hemicube) belong to "
+          "--lighting radiosity "
           "and zonal, and do nothing here");
     return;
   }
+  if (zones.gather_rays != usual.gather_rays && zones.view != ZoneView::gather)
+    notes.emplace_back("--gather-rays belongs to --zone-view gather, and does nothing here");
   const bool has_factors = zones.form_factors != usual.form_factors,
              has_hemicube = zones.hemicube_cells != usual.hemicube_cells;
   if (s.lighting == LightingModel::zonal) {

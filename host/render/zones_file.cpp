@@ -111,6 +111,7 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
     s.zones.hemicube_cells = usual.zones.hemicube_cells;
   if (!is_matrix) s.zones.form_factors = usual.zones.form_factors;
   s.zones.view = usual.zones.view;
+  s.zones.gather_rays = usual.zones.gather_rays;
   s.zones.batch = usual.zones.batch;
   s.zones.most_GiB = usual.zones.most_GiB;
   return s;

@@ -160,7 +160,7 @@ def painted(paint, width, height):
 
 MIST = """# The gallery of gallery.yaml with mist in it, after Figure 8 of Shirley, Sung and Brown (1991): a medium in zones of its own, which keep
 # what it scatters; the lamps' beams show. write_gallery.py writes this file.
-#   rayfarm render scenes/zones/gallery_mist.yaml -o scenes/zones/gallery_mist.png --lighting zonal --zone-rays 8000000 --zone-samples 256 --samples 169
+#   rayfarm render scenes/zones/gallery_mist.yaml -o scenes/zones/gallery_mist.png --lighting zonal --zone-rays 8000000 --zone-samples 256 --samples 625
 media: [{box: {min: [-3.5, 0, -8], max: [3.5, 4.2, 3]}, scattering: 0.05, absorption: 0.003}]
 """
 

@@ -100,4 +100,41 @@ std::vector<std::string> gltf_seeds() {
                     word(bytes.size()) + std::string("BIN\0", 4) + bytes};
 }
 
+std::vector<std::string> gltf_words() {
+  return {"[",
+          "]",
+          "{",
+          "}",
+          ",",
+          "\"",
+          ":",
+          "0",
+          "1",
+          "2",
+          "3",
+          "-1",
+          "1e308",
+          "1e-300",
+          "99999999999",
+          "0.5",
+          "null",
+          "true",
+          "\"sparse\":{",
+          "\"mode\":5",
+          "\"children\":[1]",
+          "\"mesh\":0",
+          "\"skin\":0",
+          "\"matrix\":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1]",
+          "\"scale\":[0,0,0]",
+          "\"byteStride\":0",
+          "5121",
+          "5123",
+          "5125",
+          "5126",
+          "\"normalized\":true",
+          "\"STEP\"",
+          "\"CUBICSPLINE\"",
+          "\"MASK\""};
+}
+
 }  // namespace rayfarm::fuzz

@@ -19,8 +19,11 @@
 #include "protocol/block_codec.h"
 #include "protocol/job_plan.h"
 #include "tests/fuzz/block_seeds.h"
+#include "tests/fuzz/folder.h"
 #include "tests/fuzz/gltf_seeds.h"
 #include "tests/fuzz/grid_seeds.h"
+#include "tests/fuzz/image_bytes.h"
+#include "tests/fuzz/mesh_seeds.h"
 #include "tests/fuzz/messages.h"
 #include "tests/fuzz/obj_seeds.h"
 #include "tests/fuzz/zone_bytes.h"
@@ -47,15 +50,6 @@ void render_file(const std::string& path) {
   const CompiledScene compiled = compile(scene);
   if (compiled.block.size < 1 << 22) render(compiled.scene, scene.frames ? (*scene.frames)[0] : 0);
 }
-
-struct Folder {
-  std::string path;
-  std::string write(const std::string& name, const std::string& bytes) const {
-    const std::string file = (std::filesystem::path(path) / name).string();
-    std::ofstream(file, std::ios::binary) << bytes;
-    return file;
-  }
-};
 
 std::vector<std::string> scene_seeds(const char* extension) {
   std::vector<std::string> seeds;
@@ -96,6 +90,16 @@ void cut_obj(const std::string& bytes, const std::string& path) {
       bytes, [&](std::span<const size_t> borders) { return test::read_obj(bytes, path, borders); },
       [](const auto& a, const auto& b) { return test::is_same(a, b); });
 }
+void cut_ply(const std::string& bytes) {
+  cut(
+      bytes, [&](std::span<const size_t> borders) { return test::read_ply(bytes, "in.ply", borders); },
+      [](const auto& a, const auto& b) { return test::is_same(a, b); });
+}
+void cut_stl(const std::string& bytes) {
+  cut(
+      bytes, [&](std::span<const size_t> borders) { return test::read_stl(bytes, "in.stl", borders); },
+      [](const auto& a, const auto& b) { return test::is_same(a, b); });
+}
 
 /// With its lists of numbers read apart a file is what it is as a whole.
 void read_yaml_both_ways(const std::string& bytes, const std::string& path) {
@@ -121,36 +125,6 @@ std::string zstd_bomb() {
   std::string bomb(ZSTD_compressBound(much.size()), '\0');
   bomb.resize(ZSTD_compress(bomb.data(), bomb.size(), much.data(), much.size(), 1));
   return bomb;
-}
-
-std::vector<std::string> image_seeds(const Folder& folder) {
-  std::vector<std::string> seeds;
-  const Image image{5, 4, {0, 0, 5, 4}, make_pixel_layout(PixelFormat::rgb8), zeros(3 * 5 * 4)};
-  for (const char* name : {"seed.png", "seed.exr"}) {
-    write_image(folder.path + "/" + name, image, {{"rayfarm/frame", "1"}});
-    seeds.push_back(name[5] + read_file(folder.path + "/" + name, limits::kFileBytes));
-  }
-  seeds.push_back("h#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n0123456789abcdef");
-  return seeds;
-}
-
-/// The first byte names the format.
-void read_images(const Folder& folder, const std::string& bytes) {
-  if (bytes.empty()) return;
-  const char kind = bytes[0];
-  const std::string path = folder.write(kind == 'e'   ? "in.exr"
-                                        : kind == 'h' ? "in.hdr"
-                                                      : "in.png",
-                                        bytes.substr(1));
-  if (kind != 'h') {
-    try {
-      read_image_info(path);
-      check_image_whole(path);
-    } catch (const IoError&) {
-    }
-  }
-  ImageReader reader(path, 1 << 20);
-  for (int y = 0; y < reader.height_px(); ++y) reader.next_row();
 }
 
 std::vector<std::string> settings_seeds() {
@@ -277,6 +251,30 @@ std::vector<Target> make_targets(const std::string& path) {
         "3.1+e2",
         "# \\\n",
         "fo "}},
+      {"ply",
+       [folder](const std::string& bytes) {
+         cut_ply(bytes);
+         render_file(folder.write("in.ply", bytes));
+       },
+       ply_seeds(),
+       {"element vertex 3\n", "element face 1\n", "element other 9\n", "property float nx\n",
+        "property uchar red\n", "property list uchar int vertex_indices\n",
+        "property list int8 double texcoord\n", "tristrips", "ascii", "binary_little_endian",
+        "binary_big_endian", "end_header\n", "\r\n", "-1", "4294967295", "99999999999999999999", "nan",
+        "1e39", "\xff\xff\xff\xff"}},
+      {"stl",
+       [folder](const std::string& bytes) {
+         cut_stl(bytes);
+         render_file(folder.write("in.stl", bytes));
+       },
+       stl_seeds(),
+       {"solid x\n", "facet normal 0 0 1\n", "outer loop\n", "vertex 1 2 3\n", "endloop\n", "endfacet\n",
+        "endsolid\n", "nan", "1e39", "\xff\xff\xff\xff", "\r"}},
+      {"off",
+       [folder](const std::string& bytes) { render_file(folder.write("in.off", bytes)); },
+       {kOff, kColouredOff},
+       {"STCNOFF\n", "COFF\n", "NOFF", "OFF BINARY", "4OFF", "3 ", "-1", "99999999999", "nan", "1e39", "#",
+        "\n", "3 0 1 2\n"}},
       {"mtl",
        [folder](const std::string& bytes) {
          folder.write("a.obj", kObj);
@@ -292,41 +290,7 @@ std::vector<Target> make_targets(const std::string& path) {
        [folder](const std::string& bytes) {
          render_file(folder.write(bytes.starts_with("glTF") ? "in.glb" : "in.gltf", bytes));
        },
-       gltf_seeds(),
-       {"[",
-        "]",
-        "{",
-        "}",
-        ",",
-        "\"",
-        ":",
-        "0",
-        "1",
-        "2",
-        "3",
-        "-1",
-        "1e308",
-        "1e-300",
-        "99999999999",
-        "0.5",
-        "null",
-        "true",
-        "\"sparse\":{",
-        "\"mode\":5",
-        "\"children\":[1]",
-        "\"mesh\":0",
-        "\"skin\":0",
-        "\"matrix\":[1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,1]",
-        "\"scale\":[0,0,0]",
-        "\"byteStride\":0",
-        "5121",
-        "5123",
-        "5125",
-        "5126",
-        "\"normalized\":true",
-        "\"STEP\"",
-        "\"CUBICSPLINE\"",
-        "\"MASK\""}},
+       gltf_seeds(), gltf_words()},
       {"ies",
        [folder](const std::string& bytes) {
          GoniometricDiagram diagram;

@@ -54,7 +54,9 @@ std::vector<Vec3> positions_of(const SceneDescription& scene, const MeshShape& m
 
 void add(const SceneDescription& scene, uint32_t object, const Affine& world, double frame, Facts& facts) {
   for (const PrimitiveDescription& p : scene.objects[object].primitives) {
-    const auto& mesh = std::get<MeshShape>(p.shape);
+    const auto* const found = std::get_if<MeshShape>(&p.shape);
+    if (!found) continue;  // ground and lamp of a model that has none
+    const MeshShape& mesh = *found;
     std::vector<Vec3> positions = positions_of(scene, mesh, frame);
     for (Vec3& position : positions) position = world.point(position);
     facts.triangles += mesh.triangles.size();

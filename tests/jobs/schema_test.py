@@ -54,6 +54,8 @@ MAPS = {
     "polygons": ["scene: [{polygons: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces: [[0, 1, 2]], ZZZ: 1}}]"],
     "lathe": ["scene: [{lathe: {profile: [[1, 0], [1, 1]], sides: 8, ZZZ: 1}}]"],
     "extrude": ["scene: [{extrude: {polygon: [[0, 0], [1, 0], [0, 1]], height: 1, ZZZ: 1}}]"],
+    "patch": ["scene: [{patch: {points: [[0, 0, 0], [1, 0, 0], [1, 1, 1], [0, 1, 0]], ZZZ: 1}}]"],
+    "bezier": ["scene: [{bezier: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], patches: [[0, 1, 1, 2, 0, 1, 1, 2, 0, 1, 1, 2, 0, 1, 1, 2]], ZZZ: 1}}]"],
     "mesh": ["scene: [{mesh: {file: tri.obj, ZZZ: 1}}]"],
     "rotation_about_axis": [f"scene: [{{{SPHERE}, transform: {{rotate: {{axis: [0, 1, 0], degrees: 1, ZZZ: 1}}}}}}]"],
     "orientation": [f"scene: [{{{SPHERE}, transform: {{orient: {{axis: [0, 1, 0], degrees: 1, ZZZ: 1}}}}}}]"],

@@ -16,8 +16,10 @@ struct OneMaterial {
                                  fmt::format(R"("nodes": [{{"mesh": 0}}], "materials": [{}]{}{})", json,
                                              lists.empty() ? "" : ", ", lists),
                                  R"(, "material": 0)"));
-    const uint32_t index =
-        scene.objects.back().primitives.empty() ? kNone : scene.objects.back().primitives[0].material;
+    uint32_t index = kNone;
+    for (const ObjectDescription& object : scene.objects)
+      if (!object.primitives.empty() && std::holds_alternative<MeshShape>(object.primitives[0].shape))
+        index = object.primitives[0].material;
     m = scene.materials.at(index);
     p = scene.principled.at(m.principled);
   }

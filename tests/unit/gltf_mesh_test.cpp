@@ -1,4 +1,6 @@
 // Meshes of glTF files: all forms that vertices and faces have there.
+#include <meshoptimizer.h>
+
 #include "tests/unit/tiny_gltf.h"
 
 namespace rayfarm {
@@ -114,6 +116,34 @@ TEST(GltfMesh, ElementsMayBeApartQuantizedAndSparse) {
     expect_square(file.load(shows(fmt::format(R"("attributes": {{"POSITION": {}}}, "mode": 6)", positions))),
                   "sparse");
   }
+}
+
+TEST(GltfMesh, MayBeCompressedByMeshopt) {
+  const std::vector<float> corners{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  const std::vector<uint32_t> order{0, 1, 2, 0, 2, 3};
+  std::vector<unsigned char> vertices(meshopt_encodeVertexBufferBound(4, 12)),
+      faces(meshopt_encodeIndexBufferBound(6, 4)), sequence(meshopt_encodeIndexSequenceBound(6, 4));
+  vertices.resize(meshopt_encodeVertexBuffer(vertices.data(), vertices.size(), corners.data(), 4, 12));
+  faces.resize(meshopt_encodeIndexBuffer(faces.data(), faces.size(), order.data(), 6));
+  sequence.resize(meshopt_encodeIndexSequence(sequence.data(), sequence.size(), order.data(), 6));
+  const auto load = [&](const std::vector<unsigned char>& indices, const char* mode, int count) {
+    TinyGltf file;
+    const auto add = [&](const std::vector<unsigned char>& bytes, size_t stride, int elements,
+                         const char* how) {
+      return file.view(
+          bytes, fmt::format(R"("extensions": {{"EXT_meshopt_compression": {{"buffer": 0, "byteOffset": {},
+          "byteLength": {}, "byteStride": {}, "count": {}, "mode": "{}"}}}})",
+                             file.size_after_padding(), bytes.size(), stride, elements, how));
+    };
+    const size_t v = add(vertices, 12, 4, "ATTRIBUTES"), i = add(indices, 4, count, mode);
+    const size_t p = file.accessor(5126, "VEC3", 4, fmt::format(R"("bufferView": {})", v)),
+                 o = file.accessor(5125, "SCALAR", 6, fmt::format(R"("bufferView": {})", i));
+    return file.load(shows(fmt::format(R"("attributes": {{"POSITION": {}}}, "indices": {})", p, o)));
+  };
+  expect_square(load(faces, "TRIANGLES", 6), "triangles");
+  expect_square(load(sequence, "INDICES", 6), "indices");
+  EXPECT_THROW(load(sequence, "TRIANGLES", 6), InputError);
+  EXPECT_THROW(load(faces, "TRIANGLES", 600'000'000), InputError);
 }
 
 TEST(GltfMesh, VerticesThatNoFaceUsesAreLeftOut) {

@@ -11,7 +11,7 @@
 namespace rayfarm {
 namespace {
 
-using Read = test::ObjOutcome;
+using Read = test::MeshOutcome;
 
 Read read(const std::string& text, const std::vector<size_t>& borders) {
   return test::read_obj(text, test::write_temporary("pieces.obj", ""), borders);

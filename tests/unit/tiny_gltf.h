@@ -14,7 +14,7 @@ class TinyGltf {
   /// Adds the values' bytes as a bufferView; `more` is JSON that joins it, as `"byteStride": 8`.
   template <typename T>
   size_t view(const std::vector<T>& values, const std::string& more = "") {
-    bytes_.resize((bytes_.size() + 3) / 4 * 4);
+    bytes_.resize(size_after_padding());
     const size_t begin = bytes_.size();
     bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
     views_ +=
@@ -22,6 +22,8 @@ class TinyGltf {
                     views_.empty() ? "" : ", ", begin, bytes_.size() - begin, more.empty() ? "" : ", ", more);
     return view_count_++;
   }
+  /// Where the next view begins.
+  size_t size_after_padding() const { return (bytes_.size() + 3) / 4 * 4; }
   /// `more`: as `"bufferView": 3, "normalized": true`.
   size_t accessor(int component_type, const char* type, size_t count, const std::string& more) {
     accessors_ += fmt::format(R"({}{{"componentType": {}, "type": "{}", "count": {}{}{}}})",
@@ -76,6 +78,12 @@ class TinyGltf {
   }
   SceneDescription load(const std::string& rest, const LoadOptions& options = {}) const {
     return load_scene(write(rest), options);
+  }
+  /// Without the ground and lamp that files without lights get.
+  SceneDescription load_alone(const std::string& rest, const LoadOptions& options = {}) const {
+    SceneDescription scene = load(rest, options);
+    scene.objects[scene.root].children.resize(1);
+    return scene;
   }
   /// The message of the error that it ends in; "" if there is none.
   std::string error(const std::string& rest) const {

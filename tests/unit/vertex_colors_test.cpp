@@ -31,8 +31,8 @@ MeshShape coloured_square(bool is_one_face) {
 }
 
 /// With an uncoloured triangle before it, far behind, and one after it.
-CompiledScene square_of(bool is_one_face, const MaterialDescription& material,
-                        const PrincipledMaterial* principled = nullptr) {
+CompiledScene compiled_square(bool is_one_face, const MaterialDescription& material,
+                              const PrincipledMaterial* principled = nullptr) {
   SceneDescription scene;
   scene.files = {"square"};
   scene.materials.push_back(material);
@@ -53,7 +53,7 @@ TEST(VertexColors, AreLinearBetweenVerticesAndWeighTheMaterial) {
   for (const bool is_one_face : {false, true}) {
     MaterialDescription material("red");
     material.color = Color(0.5, 1, 1);
-    const CompiledScene compiled = square_of(is_one_face, material);
+    const CompiledScene compiled = compiled_square(is_one_face, material);
     FrameState state(compiled.scene);
     const Pose pose = state.at(0);
     EXPECT_TRUE(compiled.scene.materials[0].is_colored);
@@ -83,7 +83,7 @@ TEST(VertexColors, OfPrincipledMaterialsAreAlsoOpacity) {
   PrincipledMaterial principled = usual_principled();
   finish_principled(principled, material);
   material.is_pierced = 1;
-  const CompiledScene compiled = square_of(false, material, &principled);
+  const CompiledScene compiled = compiled_square(false, material, &principled);
   ASSERT_TRUE(compiled.scene.head().has_holes);
   FrameState state(compiled.scene);
   const Pose pose = state.at(0);

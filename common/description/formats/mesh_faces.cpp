@@ -47,6 +47,18 @@ void add_face(MeshShape& mesh, std::span<const FaceCorner> corners) {
   set_face(mesh, place, corners);
 }
 
+void check_faces(const MeshShape& mesh, const std::string& path) {
+  const size_t count = mesh.triangles.size() + mesh.polygons.sides.size();
+  if (count == 0)
+    throw InputError({path},
+                     fmt::format("the file has no faces{}",
+                                 mesh.positions.empty()
+                                     ? ""
+                                     : ", points alone; Rayfarm renders surfaces: make one of the points "
+                                       "first, as MeshLab and CloudCompare do"));
+  if (count > limits::kPrimitives) throw InputError({path}, "the mesh has too many faces");
+}
+
 void average_normals(MeshShape& mesh, const std::stop_token& stop) {
   std::vector<Vec3> sums(mesh.positions.size(), Vec3(0));
   for (const glm::uvec3& t : mesh.triangles) {

@@ -28,6 +28,14 @@ void set_face(MeshShape& mesh, FacePlace& place, std::span<const FaceCorner> cor
 /// The same, behind all faces so far.
 void add_face(MeshShape& mesh, std::span<const FaceCorner> corners);
 
+/// A position that a mesh may have.
+inline bool is_position(const glm::vec3& p) {
+  return is_finite(Vec3(p)) && max_magnitude(Vec3(p)) <= limits::kCoordinate;
+}
+
+/// Throws InputError if the mesh that is the whole file has no faces, or more than a scene holds.
+void check_faces(const MeshShape& mesh, const std::string& path);
+
 /// Gives every vertex the average of the normals of all the polygons that contain it (Gouraud; thesis 2.3.5),
 /// and every corner its vertex's. Throws Stopped.
 void average_normals(MeshShape& mesh, const std::stop_token& stop);

@@ -15,6 +15,9 @@ struct MeshRequest {
   Smoothing smoothing = Smoothing::flat;
   Place place;                         ///< of the request
   bool is_smoothing_asked_for = true;  ///< else it is the file's own, where that says what is smooth
+  /// Where the file says nothing: edges between faces that meet at a larger angle, in degrees, stay sharp,
+  /// and if no smoothing is asked for the rest is `phong`. 0: no edges do, and it is flat.
+  double crease = 0;
 };
 
 /// Adds what the file holds to an object, and its materials and notes to the scene.
@@ -29,6 +32,15 @@ void load_obj_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& 
 /// moves by its clip does so.
 void load_gltf_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
                     const LoadOptions& options);
+/// PLY, in text and in bytes: one primitive; colours of vertices.
+void load_ply_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                   const LoadOptions& options);
+/// STL, in text and in bytes: one primitive, all solids of the file; equal points are one.
+void load_stl_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                   const LoadOptions& options);
+/// Geomview's OFF in three dimensions, in text, with normals, colours and coordinates: one primitive.
+void load_off_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& request,
+                   const LoadOptions& options);
 
 struct MeshFormat {
   const char* extension;
@@ -36,8 +48,9 @@ struct MeshFormat {
 };
 
 /// Every format that a mesh may be in.
-inline constexpr MeshFormat kMeshFormats[] = {
-    {".obj", load_obj_mesh}, {".glb", load_gltf_mesh}, {".gltf", load_gltf_mesh}};
+inline constexpr MeshFormat kMeshFormats[] = {{".obj", load_obj_mesh},  {".off", load_off_mesh},
+                                              {".ply", load_ply_mesh},  {".stl", load_stl_mesh},
+                                              {".glb", load_gltf_mesh}, {".gltf", load_gltf_mesh}};
 
 /// The format of a file by its name; null if it is none of them.
 const MeshFormat* find_mesh_format(const std::string& path);

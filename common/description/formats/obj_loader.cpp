@@ -220,11 +220,13 @@ MeshShape read_obj_mesh(SceneDescription& scene, std::string_view text, const Me
   joiner.add_to(records);
   const SmoothingGroups groups = joiner.join(records);
   mesh.names = records.names();
-  const size_t face_count = mesh.triangles.size() + mesh.polygons.sides.size();
-  if (face_count == 0) throw InputError({request.path}, "the file has no faces");
-  if (face_count > limits::kPrimitives) throw InputError({request.path}, "the mesh has too many faces");
+  check_faces(mesh, request.path);
+  if (mesh.normals.empty() && !records.has_smoothing()) {
+    add_asked_normals(mesh, request, options.stop);
+    return mesh;
+  }
   if (mesh.smoothing == Smoothing::flat || !mesh.normals.empty()) return mesh;
-  if (records.has_smoothing() && !records.is_smooth())
+  if (!records.is_smooth())
     scene.notes.add({request.path}, "`smooth` is not used: the file says `s off`, its faces are flat");
   smooth_normals(mesh, groups, options.stop);
   return mesh;

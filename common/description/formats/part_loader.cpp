@@ -2,7 +2,6 @@
 // from beside the viewer if nothing in it shines.
 #include "common/description/describe_part.h"
 #include "common/description/formats/scene_loaders.h"
-#include "common/description/object_bounds.h"
 
 namespace rayfarm {
 namespace {
@@ -12,6 +11,15 @@ Box bounds_of(const Scene& objects) {
   Box bounds;
   for (const InstancePose& pose : objects.poses) bounds.grow(pose.bounds);
   return bounds;
+}
+
+void look_at(const Box& bounds, ViewDescription& view) {
+  if (bounds.is_empty()) return;
+  constexpr double kSine = 0.29;  // of half the angle of view from the picture's lower edge to its upper
+  const Vec3 center = bounds.center();
+  const double distance = std::max(1e-6, 0.5 * glm::length(bounds.extent())) / kSine;
+  view.location = constant_curve(Vec4(center + Vec3(0, 0, distance), 0));
+  view.direction = constant_curve(Vec4(0, 0, -1, 0));
 }
 
 /// From the first key to the last of what moves, or comes and goes.

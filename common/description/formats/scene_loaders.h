@@ -12,5 +12,7 @@ SceneDescription load_nff_scene(const std::string& path, const LoadOptions& opti
 SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& options);
 /// Compiled objects, to look at them; they are no text, and not counted.
 SceneDescription load_part_scene(const std::string& path, const LoadOptions& options);
+/// A file of a mesh (mesh_loaders.h), as quick_look.h shows it.
+SceneDescription load_mesh_scene(const std::string& path, const LoadOptions& options);
 
 }  // namespace rayfarm

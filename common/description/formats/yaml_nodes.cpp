@@ -228,6 +228,12 @@ void YamlNodes::read_mesh(const YamlValue& value, const std::optional<YamlValue>
   const YamlValue file = map.require("file");
   const bool has_smoothing = map.has("smooth");
   const Smoothing smoothing = read_smoothing(map, Smoothing::flat);
+  double crease = 0;
+  if (auto v = map.find("crease")) {
+    if (has_smoothing && smoothing == Smoothing::flat)
+      v->fail("`crease` belongs to a smooth mesh; leave it out of a flat one");
+    crease = v->number_in(1, 179);
+  }
   const bool is_replaced = has_override(replaces, map, inherited);
   map.finish();
   const std::string path = document_.path_of(file);
@@ -237,7 +243,7 @@ void YamlNodes::read_mesh(const YamlValue& value, const std::optional<YamlValue>
   uint32_t& known =
       mesh_files_
           .try_emplace({path, inherited.material, has_smoothing ? std::optional(smoothing) : std::nullopt,
-                        inherited.zone_size, is_replaced},
+                        crease, is_replaced, inherited.zone_size},
                        kNone)
           .first->second;
   if (known != kNone) {
@@ -247,7 +253,7 @@ void YamlNodes::read_mesh(const YamlValue& value, const std::optional<YamlValue>
   const size_t first_object = scene_.objects.size(), first_child = scene_.objects[object].children.size(),
                first_primitive = scene_.objects[object].primitives.size();
   try {
-    format->load(scene_, object, {path, inherited.material, smoothing, value.place(), has_smoothing},
+    format->load(scene_, object, {path, inherited.material, smoothing, value.place(), has_smoothing, crease},
                  options_);
   } catch (const IoError& e) {
     file.fail(e.what());

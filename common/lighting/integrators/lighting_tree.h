@@ -146,6 +146,15 @@ class LightingTree {
     batch.depth = depth;
     return batch;
   }
+  /// The newest batch, where it is of this depth and has room for so many rays, so that rays of several
+  /// surfaces fill one; else an empty one. None may be on its way.
+  Batch& batch_with_room(uint32_t depth, size_t rays) {
+    if (batch_count_ > 0) {
+      Batch& newest = batches_[batch_count_ - 1];
+      if (newest.depth == depth && newest.rays.size + rays <= kMostPacketRays) return newest;
+    }
+    return begin_batch(depth);
+  }
   /// The batch to trace next, null at the end. Whoever has traced it ends it.
   Batch* next_batch() {
     while (batch_count_ > 0 && batches_[batch_count_ - 1].rays.empty()) --batch_count_;

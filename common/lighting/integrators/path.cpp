@@ -11,10 +11,10 @@
 namespace rayfarm {
 
 size_t PathTracer::trace(const RayPacket& rays, std::span<const SampleId> ids) {
-  ids_ = ids;
   lanes_.rays = rays;
   for (size_t i = 0; i < rays.size; ++i) {
     colors_[i] = Color(0);
+    ids_.push_back(ids[i]);
     Path& path = paths_.emplace_back();
     path.place = static_cast<uint32_t>(i);
     path.id = ids[i];
@@ -72,11 +72,21 @@ void PathTracer::step() {
       if (prepare(lane, hits[lane])) together |= LaneSet{1} << lane;
     });
   }
-  if (together != 0) go_on |= visit_together(together);
+  LaneSet split = 0;
+  if (gather_rays_ > 1) [[unlikely]] {
+    turns_.clear();
+    for_each_lane(together, [&](size_t lane) {
+      if (is_split_here(lane)) split |= LaneSet{1} << lane;
+    });
+    if (split != 0) visit_together(split, StepPart::light);
+  }
+  if ((together & ~split) != 0) go_on |= visit_together(together & ~split);
   for (size_t lane = 0; lane < count; ++lane)
     if (!((together | scattered) >> lane & 1) && visit_alone(lane, hits[lane])) go_on |= LaneSet{1} << lane;
-  lanes_.keep(go_on);
   add_unblocked(shadows_);
+  if (gather_rays_ > 1 && (split != 0 || !turns_.empty())) [[unlikely]]
+    follow_split(split);
+  lanes_.keep(go_on);
 }
 
 void PathTracer::add_unblocked(ShadowLanes& shadows) {
@@ -119,7 +129,7 @@ bool PathTracer::visit_alone(size_t lane, const Hit& hit) {
   if (hit.is_hit()) surface = is_in_lanes_ ? lanes_.surfaces[lane] : eval_surface(scene_, pose_, ray, hit);
   if (is_by_medium_ && hit.is_hit()) [[unlikely]]
     surface = laid_on_surface(scene_, surface);
-  if (!visit(path, ray, hit, surface)) return false;
+  if (!visit(lane, path, ray, hit, surface)) return false;
   set_lane(lanes_.throughput, lane, path.throughput);
   lanes_.pdf[lane] = path.pdf;
   lanes_.rays.set(lane, ray.origin, ray.direction);
@@ -140,8 +150,8 @@ bool PathTracer::prepare(size_t lane, const Hit& hit) {
   return true;
 }
 
-LaneSet PathTracer::visit_together(LaneSet lanes) {
-  const PathStep step = step_in_lanes(stage(), lanes, lanes_, shadows_);
+LaneSet PathTracer::visit_together(LaneSet lanes, StepPart part) {
+  const PathStep step = step_in_lanes(stage(part), lanes, lanes_, shadows_);
   for_each_lane(step.go_on, [&](size_t lane) {
     Path& path = paths_[lanes_.places[lane]];
     if (step.is_diffuse >> lane & 1) {

@@ -10,7 +10,8 @@ void PathTracer::read_media(const Hit* hits) {
     LitMediumPoint lit;
     const double u =
         sampler_.point(ids_[lanes_.places[lane]], dimension::of_walk(depth_, dimension::kFree)).x;
-    colors_[lanes_.places[lane]] += throughput * context_.zones->radiance_of_media(ray, u, lit);
+    colors_[lanes_.places[lane]] += throughput * context_.zones->radiance_of_media(
+                                                     ray, !paths_[lanes_.places[lane]].is_gathering, u, lit);
     if (lit.medium != kNone) {
       set_lane(lanes_.throughput, lane, throughput * lit.throughput);
       light_in_media(stage(), lane, {lit.medium, lit.t}, lanes_, shadows);

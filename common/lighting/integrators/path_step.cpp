@@ -68,10 +68,10 @@ class LanesStep {
     const Real total = diffuse + luminance(lobes.transmitted) + luminance(lobes.reflected);
     const Truth is_lit = hn::And(total > zero_, ours_);
     const Real diffuse_share = diffuse / total;
-    if (!scene_.lights.empty())
+    if (stage_.part != StepPart::direction && !scene_.lights.empty())
       if (const LaneSet lit = bits_of(hn::And(is_lit, lobes.has_diffuse)); lit != 0)
         add_direct_light(lit, lobes.diffuse, diffuse_share);
-    follow(lobes, total, diffuse_share, is_lit, result);
+    if (stage_.part != StepPart::light) follow(lobes, total, diffuse_share, is_lit, result);
     return result;
   }
 

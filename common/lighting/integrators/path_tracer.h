@@ -1,7 +1,9 @@
 #pragma once
 // A packet of paths on their way: what `path`, and the pictures of zones, are made of. The steps of packets
 // are in path.cpp, what a path finds at a surface by itself in path_visit.cpp, what media do in
-// path_in_media.cpp.
+// path_in_media.cpp, several rays in place of one in path_split.cpp.
+#include <vector>
+
 #include "common/lighting/integrators/path_media.h"
 #include "common/lighting/integrators/path_step.h"
 #include "common/lighting/media.h"
@@ -24,8 +26,18 @@ struct Path {
   double width = 0, spread = 0;  ///< of the ray's cone
   uint32_t depth = 1, reflections = 0, transmissions = 0;
   bool is_gathering = false;  ///< its last turn was by chance all over: zones that it meets end it
+  bool is_split = false;      ///< one of the rays that a point sends in place of one
 };
 static_assert(std::is_trivially_copyable_v<Path>);
+
+/// A path at a surface that sends it on.
+struct Turn {
+  size_t lane = 0;
+  Surface surface;
+  Interaction at;
+  Lobes lobes;
+  bool is_dielectric = false;
+};
 
 /// Up to kMostPacketRays paths go on together; what becomes of one does not depend on the others. Those whose
 /// surfaces allow it take their steps in lanes at once, the others one by one, and no bit of a colour tells
@@ -41,6 +53,9 @@ class PathTracer {
         is_in_lanes_(is_in_lanes),
         has_media_(!context.scene.media.empty()),
         is_by_medium_(is_by_medium(context)),
+        gather_rays_(context.zones && context.zones->view() == ZoneView::gather
+                         ? context.tables.settings.zones.gather_rays
+                         : 1),
         counts_(counts),
         colors_(colors) {}
 
@@ -53,7 +68,9 @@ class PathTracer {
   /// Adds what shadow rays bring.
   void add_unblocked(ShadowLanes& shadows);
 
-  PathStage stage() const { return {context_, ids_, depth_, depth_ >= kFirstRoulette}; }
+  PathStage stage(StepPart part = StepPart::both) const {
+    return {context_, ids_.span(), depth_, depth_ >= kFirstRoulette, part};
+  }
 
   /// Adds what zones of media keep along the rays, and weakens what is behind them. In the view `direct`
   /// light straight from sources is asked for at one point of each ray.
@@ -72,6 +89,16 @@ class PathTracer {
 
   [[gnu::noinline]] uint32_t find_really_blocked(const ShadowLanes& shadows) const;
 
+  /// Whether, where a path spreads for the first time, several rays go on in its place.
+  bool splits(const Path& path) const { return gather_rays_ > 1 && !path.is_split; }
+  bool is_split_here(size_t lane) const {
+    return splits(paths_[lanes_.places[lane]]) && (lanes_.substrates & lanes_.can_reflect) >> lane & 1;
+  }
+
+  /// Follows to their ends the rays that each of these lanes sends on, and those of `turns_`; other lanes
+  /// stay as they are.
+  [[gnu::noinline]] void follow_split(LaneSet together);
+
   /// A path's step by itself.
   bool visit_alone(size_t lane, const Hit& hit);
 
@@ -79,10 +106,14 @@ class PathTracer {
   bool prepare(size_t lane, const Hit& hit);
 
   /// The steps of the lanes that are prepared. Returns those whose paths go on.
-  LaneSet visit_together(LaneSet lanes);
+  LaneSet visit_together(LaneSet lanes, StepPart part = StepPart::both);
 
-  /// Adds what the path finds where it hits, and turns `ray` into what follows. False: the path ends.
-  bool visit(Path& path, Ray& ray, const Hit& hit, Surface& surface);
+  /// Adds what the path finds where it hits, and turns `ray` into what follows. False: the path ends, or goes
+  /// on as several rays by a turn that is added to `turns_`.
+  bool visit(size_t lane, Path& path, Ray& ray, const Hit& hit, Surface& surface);
+  /// Turns the path's ray. False: it ends.
+  bool turn(Path& path, Ray& ray, const Surface& surface, const Interaction& at, const Lobes& lobes,
+            bool is_dielectric);
 
   /// Whether light that zones keep is read from them where the path is.
   bool ends_at_zones(const Path& path) const {
@@ -121,14 +152,16 @@ class PathTracer {
   const RenderSettings& settings_;
   const Sampler& sampler_;
   bool is_in_lanes_, has_media_, is_by_medium_;
+  uint32_t gather_rays_;
   RayCounts& counts_;
   Color* colors_;  ///< of the eye rays
   size_t eye_hits_ = 0;
-  std::span<const SampleId> ids_;
-  uint32_t depth_ = 1;    ///< of all paths: each step adds one
-  OfPacket<Path> paths_;  ///< by place; throughput and pdf stand in lanes_
-  PathLanes lanes_;       ///< in the order of the rays
+  OfPacket<SampleId> ids_;  ///< by place
+  uint32_t depth_ = 1;      ///< of all paths: each step adds one
+  OfPacket<Path> paths_;    ///< by place; throughput and pdf stand in lanes_
+  PathLanes lanes_;         ///< in the order of the rays
   ShadowLanes shadows_;
+  std::vector<Turn> turns_;                          ///< of this step, at which paths split
   std::array<Media, kMostPacketRays> shadow_media_;  ///< by place, where rays have to know
 };
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "common/lighting/environment.h"
 #include "common/lighting/integrators/path_tracer.h"
 #include "common/lighting/light_choice.h"
@@ -6,7 +8,7 @@
 
 namespace rayfarm {
 
-bool PathTracer::visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
+bool PathTracer::visit(size_t lane, Path& path, Ray& ray, const Hit& hit, Surface& surface) {
   if (!hit.is_hit()) {
     Color light = path.throughput * eval_background(scene_, ray.direction);
     if (path.pdf > 0 && scene_.head().environment != kNone)
@@ -68,6 +70,16 @@ bool PathTracer::visit(Path& path, Ray& ray, const Hit& hit, Surface& surface) {
     lobes = followed;
   }
   if (is_last || lobes.empty()) return false;
+  if (splits(path) && std::any_of(lobes.begin(), lobes.end(),
+                                  [](const Lobe& lobe) { return lobe.spread != Lobe::Spread::perfect; })) {
+    turns_.push_back({lane, surface, at, lobes, is_dielectric});
+    return false;
+  }
+  return turn(path, ray, surface, at, lobes, is_dielectric);
+}
+
+bool PathTracer::turn(Path& path, Ray& ray, const Surface& surface, const Interaction& at, const Lobes& lobes,
+                      bool is_dielectric) {
   // Points are made only where they are asked for.
   const bool is_risky = path.depth >= kFirstRoulette;
   const Vec2 lobe = lobes.size() > 1 || is_risky ? point(path, dimension::kLobe) : Vec2(0);

@@ -1,5 +1,6 @@
 // The thesis's model (Equation 3.6a): Whitted's, with light from secondary sources in place of ambient light.
 // Diffuse rays gather it in fixed directions (3.3), and lose strength on their way (3.2).
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -298,20 +299,21 @@ class ThesisTracer {
 
   void send_packet(uint32_t place) {
     Gathering& gathering = gatherings_[place];
-    Batch& batch = tree_.begin_batch(gathering.depth);
-    for (; gathering.next < settings_.diffuse_rays && !batch.rays.is_full(); ++gathering.next) {
+    gathering.count =
+        std::min(settings_.diffuse_rays - gathering.next, static_cast<uint32_t>(kMostPacketRays));
+    Batch& batch = tree_.batch_with_room(gathering.depth, gathering.count);
+    for (uint32_t k = 0; k < gathering.count; ++k, ++gathering.next) {
       const bool serves_both = gathering.next == gathering.both;
-      send(place, batch.rays.size, serves_both ? gathering.mirror : direction_of(gathering, gathering.next),
-           serves_both, LightingTree::kFirstOwn + gathering.next, batch);
+      send(place, k, serves_both ? gathering.mirror : direction_of(gathering, gathering.next), serves_both,
+           LightingTree::kFirstOwn + gathering.next, batch);
     }
-    gathering.count = static_cast<uint32_t>(batch.rays.size);
   }
 
   /// One more ray between neighbours that differ (3.3). False: there are none.
   bool send_extras(uint32_t place) {
     Gathering& gathering = gatherings_[place];
     const uint32_t first = gathering.next - gathering.count;
-    Batch& batch = tree_.begin_batch(gathering.depth);
+    Batch& batch = tree_.batch_with_room(gathering.depth, gathering.count);
     for (uint32_t k = 0; k < gathering.count; ++k) {
       if (first + k == 0) continue;
       const GatheringRay &a = before(gathering, k), &b = gathering.rays[k];
@@ -323,7 +325,7 @@ class ThesisTracer {
       send(place, kMostPacketRays + k, normalized(a.direction + b.direction), false,
            LightingTree::kFirstOwn + settings_.diffuse_rays + first + k, batch);
     }
-    return !batch.rays.empty();
+    return gathering.extras != 0;
   }
 
   static const GatheringRay& before(const Gathering& gathering, uint32_t k) {

@@ -56,8 +56,10 @@ class PrimaryLight {
       const Color share = grid.volume() / settings_.zones.samples * media.density(grid.first_cell + cell) *
                           scene_.media[grid.medium].scattering;
       if (const auto arrival = ask_source_in_medium(id, p, share, counts)) visit(sample, *arrival);
-      if (!has_chance_) continue;
-      if (const auto arrival = ask_by_chance_in_medium(id, p, share, counts)) visit(sample, *arrival);
+      for (uint32_t k = 0; has_chance_ && k < kRaysByChance; ++k)
+        if (const auto arrival = ask_by_chance_in_medium({id.x, id.y, kRaysByChance * sample + k}, p,
+                                                         share / static_cast<double>(kRaysByChance), counts))
+          visit(sample, *arrival);
     }
   }
   /// Calls visit(point, sample, arrival) for what comes to the points of a cell's side: from one source by a
@@ -79,6 +81,10 @@ class PrimaryLight {
   }
 
  private:
+  /// From a point in a medium. What they look for is a small part of all round, and each ray is as good as a
+  /// point of a surface has.
+  static constexpr uint32_t kRaysByChance = 8;
+
   struct Answer {
     uint32_t point = 0;
     Arrival arrival;

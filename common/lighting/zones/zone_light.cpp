@@ -1,6 +1,8 @@
 #include "common/lighting/zones/zone_light.h"
 
+#include <algorithm>
 #include <numbers>
+#include <vector>
 
 namespace rayfarm {
 namespace {
@@ -23,11 +25,15 @@ ZoneLight::ZoneLight(const ZoneScene& zones, size_t pass, const ZonePassSolution
       media_(zones.media()),
       colors_(zones.scene(pass), zones.map()),
       view_(view),
-      values_(zones.slot_count(), glm::vec3(0)) {
+      values_(zones.slot_count(), glm::vec3(0)),
+      indirect_in_media_(view == ZoneView::gather ? media_.slot_count() : 0, glm::vec3(0)) {
   solution.total.for_each([&](uint64_t slot, const Power& total) {
-    Power power = total;
-    if (view == ZoneView::direct) power -= solution.direct.at(slot);
-    values_[slot] = solution.quantum.value(power) * per_power(slot);
+    Power indirect = total;
+    indirect -= solution.direct.at(slot);
+    const Color scale = per_power(slot);
+    values_[slot] = solution.quantum.value(view == ZoneView::direct ? indirect : total) * scale;
+    if (view == ZoneView::gather && slot >= map_.slot_count())
+      indirect_in_media_[slot - map_.slot_count()] = solution.quantum.value(indirect) * scale;
   });
   for (const ZoneGrid& grid : map_.grids()) {
     if (!grid.store.is_diffuse || !colors_.is_textured(grid)) continue;
@@ -121,24 +127,30 @@ Color ZoneLight::radiance(const Pose& pose, const ZoneGrid& grid, const Hit& hit
   return result;
 }
 
-/// Linear between the middles of cells, and of cells of directions.
-Color ZoneLight::source_at(const MediumGrid& grid, const Vec3& p, const Vec3& to_viewer) const {
+DirectionsSeen ZoneLight::directions_seen(const MediumGrid& grid, const Vec3& to_viewer) const {
+  const uint32_t rows = grid.directions.rows, columns = 2 * rows;
+  if (rows == 0) return {};
+  if (view_ == ZoneView::flat) return {{grid.directions.cell(to_viewer)}, {1}, 1};
+  const Vec2 at = grid.directions.place(to_viewer) - Vec2(0.5);
+  const double row = std::clamp(at.y, 0.0, rows - 1.0), column = at.x < 0 ? at.x + columns : at.x;
+  const auto i = std::min(static_cast<uint32_t>(column), columns - 1),
+             j = std::min(static_cast<uint32_t>(row), rows - 2);
+  const double fx = column - i, fy = row - j;
+  const uint32_t next = (i + 1) % columns;
+  return {{j * columns + i, j * columns + next, (j + 1) * columns + i, (j + 1) * columns + next},
+          {(1 - fy) * (1 - fx), (1 - fy) * fx, fy * (1 - fx), fy * fx},
+          4};
+}
+
+/// Linear between the middles of cells.
+Color ZoneLight::source_at(const glm::vec3* values, const MediumGrid& grid, const Vec3& p,
+                           const DirectionsSeen& seen) const {
   const Vec3 place = (p - scene_.media[grid.medium].box.lo) / grid.step;
-  const uint32_t directions = grid.directions.count(), rows = grid.directions.rows, columns = 2 * rows;
-  const auto in_cell = [&](const std::array<uint32_t, 3>& cell) -> Color {
-    const uint64_t first = map_.slot_count() + grid.slot(grid.index(cell));
-    if (directions == 1) return values_[first];
-    if (view_ == ZoneView::flat) return values_[first + grid.directions.cell(to_viewer)];
-    const Vec2 at = grid.directions.place(to_viewer) - Vec2(0.5);
-    const double row = std::clamp(at.y, 0.0, rows - 1.0), column = at.x < 0 ? at.x + columns : at.x;
-    const auto i = std::min(static_cast<uint32_t>(column), columns - 1),
-               j = std::min(static_cast<uint32_t>(row), rows - 2);
-    const double fx = column - i, fy = row - j;
-    const auto value = [&](uint32_t x, uint32_t y) {
-      return Color(values_[first + y * columns + x % columns]);
-    };
-    return (1 - fy) * ((1 - fx) * value(i, j) + fx * value(i + 1, j)) +
-           fy * ((1 - fx) * value(i, j + 1) + fx * value(i + 1, j + 1));
+  const auto in_cell = [&](const std::array<uint32_t, 3>& cell) {
+    const uint64_t first = grid.slot(grid.index(cell));
+    Color sum(0);
+    for (size_t i = 0; i < seen.count; ++i) sum += seen.weight[i] * Color(values[first + seen.cell[i]]);
+    return sum;
   };
   std::array<uint32_t, 3> low{}, high{};
   Vec3 share(0);
@@ -166,13 +178,18 @@ Color ZoneLight::source_at(const MediumGrid& grid, const Vec3& p, const Vec3& to
   return sum;
 }
 
-Color ZoneLight::radiance_of_media(const Ray& ray, double u, LitMediumPoint& lit) const {
-  Color result(0), left(1);
-  double scattered = 0, left_of_u = u;  // scattered: by all pieces so far
-  struct {
-    double t0 = 0, t1 = 0, scattered = 0;
+Color ZoneLight::radiance_of_media(const Ray& ray, bool is_seen, double u, LitMediumPoint& lit) const {
+  const bool asks_sources = view_ == ZoneView::direct || (view_ == ZoneView::gather && is_seen);
+  const glm::vec3* const values =
+      view_ == ZoneView::gather && is_seen ? indirect_in_media_.data() : values_.data() + map_.slot_count();
+  struct Piece {
+    uint32_t medium = kNone;
+    double t0 = 0, t1 = 0, scattered = 0;  ///< scattered: by all pieces up to this one
     Color left{0};
-  } chosen;
+  };
+  std::vector<Piece> pieces;
+  Color result(0), left(1);
+  double scattered = 0;
   for (const MediumSegment& segment : media_along(scene_, ray)) {
     const ParticipatingMedium& medium = scene_.media[segment.medium];
     const MediumGrid* const grid = media_.find(segment.medium);
@@ -181,37 +198,37 @@ Color ZoneLight::radiance_of_media(const Ray& ray, double u, LitMediumPoint& lit
       continue;
     }
     const Color albedo = over(medium.scattering, medium.extinction());
+    const DirectionsSeen seen = directions_seen(*grid, -normalized(ray.direction));
     GridWalk piece(ray, segment.t0, segment.t1, medium.box.lo, grid->step, grid->count);
     while (piece.next()) {
       const Color gone = attenuation(density_along(scene_, ray, {segment.medium, piece.t0(), piece.t1()}) *
                                      medium.extinction());
       const Vec3 middle = ray.origin + 0.5 * (piece.t0() + piece.t1()) * ray.direction;
-      result += left * (Color(1) - gone) * source_at(*grid, middle, -normalized(ray.direction));
-      if (view_ == ZoneView::direct) {
-        // One piece of all, each by what it scatters; u is used up by and by.
-        const double here = max_component(left * (Color(1) - gone) * albedo);
-        scattered += here;
-        const double chance = scattered > 0 ? here / scattered : 0;
-        if (left_of_u < chance || chance >= 1) {
-          lit.medium = segment.medium;
-          chosen = {piece.t0(), piece.t1(), here, left};
-          left_of_u /= chance;
-        } else if (chance > 0) {
-          left_of_u = (left_of_u - chance) / (1 - chance);
-        }
+      result += left * (Color(1) - gone) * source_at(values, *grid, middle, seen);
+      if (asks_sources) {
+        scattered += max_component(left * (Color(1) - gone) * albedo);
+        pieces.push_back({segment.medium, piece.t0(), piece.t1(), scattered, left});
       }
       left *= gone;
     }
   }
-  if (lit.medium != kNone) {
-    const ParticipatingMedium& medium = scene_.media[lit.medium];
-    lit.t = chosen.t0 + std::min(left_of_u, 1.0) * (chosen.t1 - chosen.t0);
-    const double per_probability =
-        (chosen.t1 - chosen.t0) * glm::length(ray.direction) * scattered / chosen.scattered;
+  if (scattered > 0) {
+    // Farther away the greater u is, so that numbers that are spread evenly give points that are.
+    const auto chosen =
+        std::upper_bound(pieces.begin(), pieces.end() - 1, u * scattered,
+                         [](double part, const Piece& piece) { return part < piece.scattered; });
+    const double before = chosen == pieces.begin() ? 0 : (chosen - 1)->scattered,
+                 here = chosen->scattered - before;
+    if (!(here > 0)) return result;
+    const double within = std::clamp((u * scattered - before) / here, 0.0, 1.0);
+    const ParticipatingMedium& medium = scene_.media[chosen->medium];
+    lit.medium = chosen->medium;
+    lit.t = chosen->t0 + within * (chosen->t1 - chosen->t0);
+    const double per_probability = (chosen->t1 - chosen->t0) * glm::length(ray.direction) * scattered / here;
     lit.throughput =
         per_probability * density_at(scene_, medium, ray.origin + lit.t * ray.direction) * medium.scattering *
-        chosen.left *
-        attenuation(density_along(scene_, ray, {lit.medium, chosen.t0, lit.t}) * medium.extinction());
+        chosen->left *
+        attenuation(density_along(scene_, ray, {lit.medium, chosen->t0, lit.t}) * medium.extinction());
   }
   return result;
 }

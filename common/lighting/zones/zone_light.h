@@ -15,6 +15,13 @@ struct LitMediumPoint {
       0};  ///< what is scattered there and reaches the ray's origin, over the point's probability
 };
 
+/// The cells of directions of a medium's zones that are seen from one side, and how much of each.
+struct DirectionsSeen {
+  std::array<uint32_t, 4> cell{};
+  std::array<double, 4> weight{1};
+  size_t count = 1;
+};
+
 /// The zones of one colour pass.
 class ZoneLight {
  public:
@@ -32,13 +39,18 @@ class ZoneLight {
   /// `pose`: where things are for the ray, which may not be where they were for zones.
   Color radiance(const Pose& pose, const ZoneGrid& grid, const Hit& hit, const Surface& surface,
                  const Interaction& at, const Lobes& lobes) const;
-  /// Radiance that media send against a ray's direction, between 0 and its t_max. In the view `direct`
-  /// without what comes straight from sources and is scattered once: `lit` is then a point at which to ask
-  /// for it, by chance (`u` in [0, 1)) where as much is scattered as there.
-  Color radiance_of_media(const Ray& ray, double u, LitMediumPoint& lit) const;
+  /// Radiance that media send against a ray's direction, between 0 and its t_max. In the view `direct`, and
+  /// in `gather` if the ray `is_seen` (its path has not turned but along mirrors and through glass), without
+  /// what comes straight from sources and is scattered once: `lit` is then a point at which to ask for it, by
+  /// chance (`u` in [0, 1)) where as much is scattered as there.
+  Color radiance_of_media(const Ray& ray, bool is_seen, double u, LitMediumPoint& lit) const;
 
  private:
-  Color source_at(const MediumGrid& grid, const Vec3& p, const Vec3& to_viewer) const;
+  /// `values`: of all slots of media.
+  Color source_at(const glm::vec3* values, const MediumGrid& grid, const Vec3& p,
+                  const DirectionsSeen& seen) const;
+  /// Linear between the middles of cells of directions.
+  DirectionsSeen directions_seen(const MediumGrid& grid, const Vec3& to_viewer) const;
   Color per_power(uint64_t slot) const;
   glm::vec3 kept_diffusely(const ZoneGrid& grid, uint32_t cell, uint32_t side) const {
     return values_[grid.slot(cell, side)];
@@ -56,7 +68,8 @@ class ZoneLight {
   /// of directions radiance.
   /// Of media the radiance of what is opaque.
   GrowingArray<glm::vec3> values_;
-  std::optional<SharedCorners> corners_;  ///< of what is kept diffusely; none in the view `flat`
+  GrowingArray<glm::vec3> indirect_in_media_;  ///< of media, without direct light; in the view `gather` alone
+  std::optional<SharedCorners> corners_;       ///< of what is kept diffusely; none in the view `flat`
 };
 
 }  // namespace rayfarm

@@ -96,7 +96,8 @@ std::vector<CostOfWay> measure_ways(const ZoneWork& work, const PicturedScene& s
   };
   for (const auto& [name, size, rays] :
        {Zones{"usual zones", 0, 0}, Zones{"zones 0.1 wide, 300,000 rays", 0.1, 3e5},
-        Zones{"zones 0.1 wide, 3 million rays", 0.1, 3e6}, Zones{"zones 0.2 wide, 100,000 rays", 0.2, 1e5}})
+        Zones{"zones 0.1 wide, 1 million rays", 0.1, 1e6}, Zones{"zones 0.1 wide, 3 million rays", 0.1, 3e6},
+        Zones{"zones 0.2 wide, 100,000 rays", 0.2, 1e5}})
     for (const ZoneView view : {ZoneView::gather, ZoneView::direct}) {
       RenderSettings settings = zone_experiment_settings(LightingModel::zonal, 1);
       if (size > 0) settings.zones.size = work.size(size);
@@ -107,6 +108,16 @@ std::vector<CostOfWay> measure_ways(const ZoneWork& work, const PicturedScene& s
           samples_of(work, view == ZoneView::gather ? std::vector<double>{16, 64, 128}
                                                     : std::vector<double>{4, 16, 64})));
     }
+  for (const uint32_t gather_rays : {2u, 4u, 8u}) {
+    RenderSettings settings = zone_experiment_settings(LightingModel::zonal, 1);
+    settings.zones.size = work.size(0.2);
+    settings.zones.rays = work.rays(1e5);
+    settings.zones.view = ZoneView::gather;
+    settings.zones.gather_rays = gather_rays;
+    ways.push_back(measure_way(
+        scene, reference, fmt::format("gather, {} rays a point, zones 0.2 wide, 100,000 rays", gather_rays),
+        settings, samples_of(work, {64.0 / gather_rays, 128.0 / gather_rays, 256.0 / gather_rays})));
+  }
   return ways;
 }
 
@@ -265,14 +276,14 @@ void compare_walks(const ZoneWork& work, const std::vector<CostOfWay>& ways, Zon
   study.section +=
       "\nHowever much frames share, a walk by `gather` gains no more than a picture does without the light "
       "of "
-      "zones: each sample has an eye ray, a shadow ray and a ray that reads zones. Of its time rays take 36 "
-      "% "
-      "to find what they meet, reading zones takes 19 %, and 11 % go into steps of eight paths at once "
-      "(`perf "
-      "record build/rayfarm render scenes/goral_room.yaml -o x.exr --lighting zonal --zone-view gather "
-      "--samples 64 --local-nodes 1 --zones x.zones`, the second time). The view `direct` has next to no "
-      "noise "
-      "but what zones get wrong, so that a walk pays for zones that are good enough.\n";
+      "zones: each sample has an eye ray, a shadow ray and rays that read zones. With one of these, rays "
+      "take "
+      "36 % of the time to find what they meet, reading zones takes 19 %, and 11 % go into steps of eight "
+      "paths at once (`perf record build/rayfarm render scenes/goral_room.yaml -o x.exr --lighting zonal "
+      "--zone-view gather --samples 64 --local-nodes 1 --zones x.zones`, the second time). What they gather "
+      "is most of the noise, so that several to a sample (`--gather-rays`) save eye rays and shadow rays, "
+      "until there are too few samples for what these see. The view `direct` has next to no noise but what "
+      "zones get wrong, so that a walk pays for zones that are good enough.\n";
   study.tables.push_back(std::move(table));
 }
 

@@ -6,7 +6,8 @@
 #include "common/description/formats/gltf/cameras.h"
 #include "common/description/formats/mesh_loaders.h"
 #include "common/description/formats/scene_loaders.h"
-#include "common/description/object_bounds.h"
+#include "common/description/quick_look.h"
+#include "common/description/scene_bounds.h"
 
 namespace rayfarm {
 namespace {
@@ -55,19 +56,11 @@ SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& opt
   nodes.add_notes();
   scene.objects[0].children.push_back({root, {}, {}});
   scene.frames = animation.frames();
-  if (!nodes.cameras().empty())
-    set_view(file, animation, nodes.cameras(), scene);
-  else
-    look_at(bounds_of_object(scene, root, 0), scene.view);
-  const bool shines = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) {
-    return m.emission != Color(0) && !m.is_unlit;
-  });
-  if (nodes.light_count() == 0 && !shines) {
-    scene.notes.add({path}, "the file has no lights; one shines from beside the viewer");
-    Light& light = scene.lights.emplace_back();
-    light.kind = LightKind::distant;
-    light.direction = normalized(Vec3(-1, -2, -3));
-  }
+  if (!nodes.cameras().empty()) set_view(file, animation, nodes.cameras(), scene);
+  if (const Box bounds = bounds_of(scene); !bounds.is_empty()) add_quick_look(scene, make_quick_look(bounds));
+  if (scene.render.empty())  // it has lights of its own
+    scene.render = {{"lighting", QuickLook::kLighting, {}},
+                    {"samples", fmt::format("{}", QuickLook::kSamples), {}}};
   return scene;
 }
 
