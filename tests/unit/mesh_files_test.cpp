@@ -160,35 +160,35 @@ TEST(ObjLoader, AMaterialThatCanNotShowIsNoted) {
 }
 
 /// Files that nobody here wrote, where they are.
-std::string asset(const std::string& name) {
+std::string obj_asset(const std::string& name) {
   return std::string(RAYFARM_SOURCE) + "/../shared/assets/" + name;
 }
-SceneDescription load_asset(const std::string& name) {
-  return test::load_yaml(test::view_text() + "scene: [{mesh: {file: '" + asset(name) + "'}}]\n");
+SceneDescription load_obj_asset(const std::string& name) {
+  return test::load_yaml(test::view_text() + "scene: [{mesh: {file: '" + obj_asset(name) + "'}}]\n");
 }
 
 TEST(ObjLoader, FilesOfOtherProgramsAreRead) {
-  if (!std::filesystem::exists(asset("obj/spider.obj"))) GTEST_SKIP() << "no ../shared/assets";
-  const SceneDescription spider = load_asset("obj/spider.obj");
+  if (!std::filesystem::exists(obj_asset("obj/spider.obj"))) GTEST_SKIP() << "no ../shared/assets";
+  const SceneDescription spider = load_obj_asset("obj/spider.obj");
   EXPECT_EQ(mesh_of(spider).triangles.size() + mesh_of(spider).polygons.sides.size(), 1368u);
   EXPECT_EQ(spider.textures.size(), 5u) << "named with a backslash";
   EXPECT_EQ(mesh_of(spider).names.size(), 19u);
   EXPECT_EQ(mesh_of(spider).smoothing, Smoothing::phong);
-  const SceneDescription colors = load_asset("obj/cube_with_vertexcolors_uni.obj");
+  const SceneDescription colors = load_obj_asset("obj/cube_with_vertexcolors_uni.obj");
   EXPECT_EQ(mesh_of(colors).colors.size(), 8u);
   EXPECT_EQ(mesh_of(colors).colors[1],
             make_vertex_color({1, decode_srgb(double(0.6f)), decode_srgb(double(0.3f))}));
-  const SceneDescription numbers = load_asset("obj/number_formats.obj");
+  const SceneDescription numbers = load_obj_asset("obj/number_formats.obj");
   EXPECT_EQ(mesh_of(numbers).positions[1], glm::vec3(1, 2, 3));
   EXPECT_EQ(mesh_of(numbers).positions[2], glm::vec3(1, 2, 3));
   EXPECT_EQ(mesh_of(numbers).positions[5], glm::vec3(100, 20, 310));
-  const SceneDescription spaces = load_asset("obj/space_in_material_name.obj");
+  const SceneDescription spaces = load_obj_asset("obj/space_in_material_name.obj");
   EXPECT_EQ(spaces
                 .materials[mesh_of(spaces).materials.empty() ? mesh_of(spaces).polygons.materials.at(0)
                                                              : mesh_of(spaces).materials.at(0)]
                 .name,
             "Hard Shiny Plastic White");
-  load_asset("obj/cube_usemtl.obj");
+  load_obj_asset("obj/cube_usemtl.obj");
 }
 
 /// Of all the triangles that rays are tested against, which must not reach into `hole`.
