@@ -8,6 +8,9 @@ void add_load_options(Options& options, LoadOptions& load) {
   options.text("--camera", load.camera,
                "through which camera of a glTF file it is seen, by name or number from 0 (default: 0)",
                "NAME|N");
+  options.choice<UpAxis>(
+      "--up", load.up, {{"y", UpAxis::y}, {"z", UpAxis::z}},
+      "which axis of a mesh's file is up, where the mesh is the scene (default: z of .stl, else y)");
   options.number("--fps", load.fps, 0.01, 10'000, "frames in a second of a glTF file's clip (default: 24)");
 }
 
