@@ -33,6 +33,10 @@ void add_notes_of_idle_options(SceneDescription& scene, const std::string& exten
   if (!has_clips && (!options.clip.empty() || options.fps != LoadOptions().fps))
     scene.notes.add(scene.source(),
                     "`--clip` and `--fps` are of clips in glTF files, and change nothing here");
+  const bool is_mesh_alone = find_mesh_format(scene.files.at(0)) && !is_gltf(extension);
+  if (!is_mesh_alone && options.up != UpAxis::usual)
+    scene.notes.add(scene.source(),
+                    "`--up` is of meshes that are scenes by themselves, and changes nothing here");
   if (!is_gltf(extension) && !options.camera.empty())
     scene.notes.add(scene.source(), "`--camera` is of cameras in glTF files, and changes nothing here");
 }

@@ -16,6 +16,7 @@ namespace {
 
 struct ConvertOptions {
   std::string model, output;
+  UpAxis up = UpAxis::usual;
   bool is_forced = false;
 };
 
@@ -41,7 +42,8 @@ std::string name_from_scene(const ConvertOptions& o) {
 
 int convert(const ConvertOptions& o) try {
   const StopOnInterrupt stop;
-  const std::string text = yaml_of_mesh_scene(o.model, name_from_scene(o), {.stop = stop.token()});
+  const std::string text =
+      yaml_of_mesh_scene(o.model, name_from_scene(o), {.stop = stop.token(), .up = o.up});
   write_text_file(o.output, text);
   fmt::print("{}\n", o.output);
   return kComplete;
@@ -63,6 +65,8 @@ void add_convert_command(CommandLine& line) {
   options.text("MODEL", o->model, ".glb, .gltf, .obj, .off, .ply or .stl, which the scene will name")
       .required();
   options.text("SCENE", o->output, "the .yaml that is written").required();
+  options.choice<UpAxis>("--up", o->up, {{"y", UpAxis::y}, {"z", UpAxis::z}},
+                         "which axis of a mesh's file is up (default: z of .stl, else y)");
   options.flag("--force", o->is_forced, "in place of one that is there already");
 }
 

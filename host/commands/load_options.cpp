@@ -13,6 +13,11 @@ void add_load_options(Options& options, LoadOptions& load) {
       .for_users();
   options.number("--fps", load.fps, 0.01, 10'000, "frames in a second of a glTF file's clip (default: 24)")
       .for_users();
+  options
+      .choice<UpAxis>("--up", load.up, {{"y", UpAxis::y}, {"z", UpAxis::z}},
+                      "which axis of a mesh's file is up, where the mesh is the scene (default: z of .stl, "
+                      "else y)")
+      .for_users();
 }
 
 }  // namespace rayfarm

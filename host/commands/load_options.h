@@ -1,5 +1,5 @@
 #pragma once
-// What scenes are read for: --clip, --fps and --camera.
+// What scenes are read for: --clip, --fps, --camera and --up.
 #include "common/description/load_options.h"
 #include "host/commands/command_line.h"
 

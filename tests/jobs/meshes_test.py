@@ -85,6 +85,16 @@ class Meshes(JobTest):
             self.assertNotEqual(scene.read_text(), "mine")
             scene.unlink()
 
+    def test_up_turns_a_mesh(self):
+        turned = self.put("turned.ply", ply([(x, z, -y) for x, y, z in self.points], self.faces, "<"))
+        mesh = self.put("a.ply", ply(self.points, self.faces, "<"))
+        self.assertEqual(self.pixels(mesh, "--up", "z"), self.pixels(turned))
+        self.assertNotEqual(self.pixels(mesh), self.pixels(turned))
+        scene = self.folder / "up.yaml"
+        self.assertEqual(self.run_alone("convert", "--up", "z", mesh, scene).code, 0)
+        self.assertEqual(self.pixels(scene), self.pixels(turned))
+        self.assertIn("`--up` is of meshes", self.run_alone("check", scene, "--up", "y").stderr)
+
     def test_convert_keeps_what_a_gltf_file_has_of_its_own(self):
         for name in ("BoxTextured.glb", "cameras/Cameras.gltf", "CornellBox.glb", "AnimatedMorphCube/AnimatedMorphCube.gltf"):
             model = self.asset("gltf/" + name)

@@ -22,10 +22,10 @@ inline CompiledScene compile_everything() {
   for (int i = 0; i < 24; ++i) sky.pixels.push_back(static_cast<std::byte>(10 * i));
   write_image(write_temporary("sky.png", ""), sky, {});
   write_temporary("lamp.ies", "TILT=NONE\n1 1 1 2 1 1 1 0 0 0\n1 1 1\n0 180\n0\n5 7\n");
-  write_temporary(
-      "mesh.obj",
-      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nv 0 -1 0\nv 1 -1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n"
-      "f 1/1 3/3 4/2\nf 5/1 6/2 2/3 1/1\n");
+  write_temporary("mesh.obj",
+                  "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0.2 1 1 0\nv 0 -1 0 1 1 1\nv 1 -1 0 1 "
+                  "0 1\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n"
+                  "f 1/1 3/3 4/2\nf 5/1 6/2 2/3 1/1\n");
   write_temporary("smoke.raw", "@ 0P");
   std::string text = R"(
 view: {location: {0: [0, 0, 6], 4: [1, 0, 6]}, look_at: [0, 0, 0], lens: {radius: 0.01, focus: 6}}
@@ -66,6 +66,7 @@ scene:
   - {light: {position: [0, 3, 0], falloff: true}, transform: {translate: {0: [0, 0, 0], 4: [1, 0, 0]}}}
   - {use: pair, transform: {orient: {0: {axis: [0, 1, 0], degrees: 0}, 4: {axis: [0, 1, 0], degrees: 90}}}}
 )";
+  text += "  - {mesh: {file: " RAYFARM_SOURCE "/tests/golden/scenes/tube.gltf}, transform: {scale: 0.3}}\n";
   for (int i = 0; i < 12; ++i)
     text += fmt::format("  - {{sphere: {{center: [{}, {}, -1], radius: 0.2}}}}\n", i % 4 - 1.5, i / 4 - 1.5);
   return compile(load_yaml(text));

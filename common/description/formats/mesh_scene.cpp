@@ -14,8 +14,8 @@ namespace {
 constexpr double kCrease = 40;
 
 /// Of programs for machine parts, whose files are STL, z is up.
-bool has_z_up(const std::string& path) {
-  return extension_of(path) == ".stl";
+bool has_z_up(const std::string& path, const LoadOptions& options) {
+  return options.up == UpAxis::usual ? extension_of(path) == ".stl" : options.up == UpAxis::z;
 }
 
 /// Such a file is a scene with materials, and perhaps a view and lights, of its own.
@@ -33,7 +33,7 @@ SceneDescription load_mesh_scene(const std::string& path, const LoadOptions& opt
   scene.materials.emplace_back("default");
   scene.objects = {{"scene", {}, {}, {}}, {"model", {}, {}, {}}};
   ChildDescription model{1, {}, {}};
-  if (has_z_up(path)) {
+  if (has_z_up(path, options)) {
     TransformStep& turn = model.transform.emplace_back();
     turn.kind = TransformKind::matrix;
     turn.curve = constant_curve(Vec4(0));
@@ -60,7 +60,7 @@ std::string yaml_of_mesh_scene(const std::string& path, const std::string& file,
   if (is_gltf(path)) return yaml_of_model(load_gltf_scene(path, options), node);
   node.mesh_keys = fmt::format(", crease: {}", kCrease);
   node.material = kModelMaterial;
-  node.has_z_up = has_z_up(path);
+  node.has_z_up = has_z_up(path, options);
   return yaml_of_model(load_mesh_scene(path, options), node);
 }
 

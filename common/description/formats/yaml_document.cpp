@@ -5,12 +5,6 @@
 #include <filesystem>
 
 namespace rayfarm {
-namespace {
-
-constexpr size_t kMostProblems = 20;
-
-}  // namespace
-
 void YamlProblems::throw_if_any() const {
   if (!lines_.empty()) throw InputError(fmt::format("{}", fmt::join(lines_, "\n")));
 }
@@ -18,7 +12,7 @@ void YamlProblems::throw_if_any() const {
 void YamlProblems::add(const InputError& e) {
   if (std::find(lines_.begin(), lines_.end(), e.what()) != lines_.end()) return;
   lines_.emplace_back(e.what());
-  if (lines_.size() < kMostProblems) return;
+  if (!is_full()) return;
   lines_.emplace_back("more may be wrong; these first");
   throw_if_any();
 }

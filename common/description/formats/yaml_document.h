@@ -19,6 +19,7 @@ class YamlProblems {
     try {
       step();
     } catch (const InputError& e) {
+      if (is_full()) throw;  // all of them are on their way
       add(e);
     }
   }
@@ -26,6 +27,8 @@ class YamlProblems {
   void throw_if_any() const;
 
  private:
+  static constexpr size_t kMost = 20;
+  bool is_full() const { return lines_.size() >= kMost; }
   void add(const InputError& e);
   std::vector<std::string> lines_;
 };

@@ -55,6 +55,7 @@ share = lambda y: min(max((y - 1) / 1, 0), 1)
 tube = {"attributes": {
     "POSITION": accessor(points, "VEC3"), "NORMAL": accessor(normals, "VEC3"),
     "TEXCOORD_0": accessor(grid(SIDES, RINGS, lambda u, v: (3 * u, 1 - 2 * v))[0], "VEC2"),
+    "TEXCOORD_1": accessor(grid(SIDES, RINGS, lambda u, v: (2 * v, u))[0], "VEC2"),
     "COLOR_0": accessor([(255, int(255 - 50 * p[1]), 255, 255) for p in points], "VEC4", 5121, True),
     "JOINTS_0": accessor([(0, 1, 0, 0) for _ in points], "VEC4", 5121),
     "WEIGHTS_0": accessor([(1 - share(p[1]), share(p[1]), 0, 0) for p in points], "VEC4")},
@@ -94,7 +95,8 @@ model = {
     "textures": [{"source": 0, "sampler": 0}, {"source": 1}],
     "materials": [
         {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {
-            "rotation": 0.3, "scale": [0.5, 0.5]}}}, "metallicFactor": 0, "roughnessFactor": 0.4},
+            "rotation": 0.3, "scale": [0.5, 0.5]}}}, "metallicFactor": 0, "roughnessFactor": 0.4,
+            "metallicRoughnessTexture": {"index": 1, "texCoord": 1}},
          "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 0.5}}},
         {"pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.7, 0.3, 1], "roughnessFactor": 0.3}},
         {"pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.6, 0.6, 1], "metallicFactor": 0}},
