@@ -84,7 +84,8 @@ TEST(YamlLoader, HabitsOfOtherProgramsGetTheWayToWriteIt) {
   expect_error(view_text() + "scene: [{group: [], transform: {rotate: 90}}]\n", "scene.yaml:2:41",
                "`{axis: [0, 1, 0], degrees: 90}`");
   expect_error("camera: {location: [0, 0, 5]}\nscene: []\n", "scene.yaml:1:1", "`view: {location:");
-  expect_error(view_text() + "scene: [{mesh: {file: fox.gltf}}]\n", "scene.yaml:2:23", ".obj");
+  expect_error(view_text() + "scene: [{mesh: {file: fox.fbx}}]\n", "scene.yaml:2:23",
+               "a mesh is read from .obj, .off, .ply, .stl, .glb or .gltf; export it as one");
 }
 
 TEST(Loading, AdviceForOtherFormatsWorks) {
@@ -96,13 +97,12 @@ TEST(Loading, AdviceForOtherFormatsWorks) {
     }
     return std::string();
   };
-  EXPECT_NE(advice("a/cow.obj").find("an .obj mesh goes into a .yaml scene: `- mesh: {file: cow.obj}`"),
-            std::string::npos);
-  EXPECT_NE(advice("a/fox.GLTF")
-                .find("export it as an .obj mesh, which goes into a .yaml scene: `- mesh: {file: fox.obj}`"),
-            std::string::npos)
-      << advice("a/fox.GLTF");
-  EXPECT_EQ(advice("picture.png").find("mesh"), std::string::npos);
+  EXPECT_NE(
+      advice("a/fox.FBX").find("unknown scene format '.fbx'; Rayfarm reads .yaml and .nff, meshes (.obj, "),
+      std::string::npos)
+      << advice("a/fox.FBX");
+  EXPECT_NE(advice("a/fox.FBX").find("; export it as .glb"), std::string::npos);
+  EXPECT_EQ(advice("picture.png").find("export"), std::string::npos);
 }
 
 /// ASCII in a wider encoding of `bytes` each.
@@ -158,9 +158,9 @@ TEST(YamlLoader, HostileInputEndsInAnError) {
   for (int i = 0; i < 300; ++i) deep += "[{group: ";
   EXPECT_NE(error_of(deep), "");
   std::string nested = view_text() + "objects:\n  o0: [{sphere: {center: [0, 0, 0], radius: 1}}]\n";
-  for (int i = 1; i < 100; ++i)
+  for (int i = 1; i < 1200; ++i)
     nested += "  o" + std::to_string(i) + ": [{use: o" + std::to_string(i - 1) + "}]\n";
-  expect_error(nested + "scene: [{use: o99}]\n", "scene.yaml", "nested more than");
+  expect_error(nested + "scene: [{use: o1199}]\n", "scene.yaml", "nested more than");
   std::string brackets(100000, '[');
   EXPECT_NE(error_of("scene: " + brackets), "");
   // Anchors that multiply: 10^9 values in a few lines.

@@ -30,6 +30,7 @@ const char* kPair =
 std::string nodes() {
   std::string text = R"(
   - {material: painted, mesh: {file: mesh.obj, smooth: phong}}
+  - {mesh: {file: flag.gltf}}
   - {material: lamp, polygon: {points: [[-1, 2, 0], [1, 2, 0], [1, 2, 1], [-1, 2, 1]]}}
   - {material: glass, quadric: {coefficients: [1, 1, 1, 0, 0, 0, 0, 0, 0, -0.2], planes: [[0, 1, 0, 0]]}}
   - material: painted
@@ -72,8 +73,19 @@ void write_assets() {
   write_image(test::write_temporary("picture.png", ""), picture, {});
   test::write_temporary("lamp.ies", "TILT=NONE\n1 1 1 2 1 1 1 0 0 0\n1 1 1\n0 180\n0\n5 7\n");
   test::write_temporary("mesh.obj",
-                        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.2\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\nf 1/1 "
-                        "3/3 4/2\nv 0 -1 0\nv 1 -1 0\nf 5/1 6/2 2/3 1/1\n");
+                        "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0.2 1 1 0\nvt 0 0\nvt 1 0\nvt 1 "
+                        "1\nf 1/1 2/2 3/3\nf 1/1 "
+                        "3/3 4/2\nv 0 -1 0 1 1 1\nv 1 -1 0 0 1 1\nf 5/1 6/2 2/3 1/1\n");
+  // A triangle with two sets of coordinates, three points and then three pairs.
+  test::write_temporary(
+      "flag.gltf",
+      R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)"
+      "AAAAAAAAAAAAAIDAAACAPwAAAAAAAIDAAAAAAAAAgD8AAIDAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/"
+      R"("}],"bufferViews":[{"buffer":0,"byteLength":60}],"accessors":[)"
+      R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,-4],"max":[1,1,-4]},)"
+      R"({"bufferView":0,"byteOffset":36,"componentType":5126,"count":3,"type":"VEC2"}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":1}}]}],)"
+      R"("nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0})");
 }
 
 const std::string kTextures =

@@ -52,7 +52,8 @@ class PrincipledReader {
   }
 
   bool has_texture(const YamlValue& value) const {
-    return value.is_map() || (!value.is_sequence() && !is_number(value.text()));
+    return value.is_map() ||
+           (!value.is_sequence() && !is_number(value.text()) && !value.text().starts_with('#'));
   }
 
   /// `NAME`, a texture {kind, …}, or {texture, channel, scale, rotate, offset}; the map's other keys are
