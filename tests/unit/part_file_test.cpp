@@ -84,7 +84,9 @@ void write_assets() {
       R"("}],"bufferViews":[{"buffer":0,"byteLength":60}],"accessors":[)"
       R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,-4],"max":[1,1,-4]},)"
       R"({"bufferView":0,"byteOffset":36,"componentType":5126,"count":3,"type":"VEC2"}],)"
-      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":1}}]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":1},"material":0}]}],)"
+      R"("images":[{"uri":"picture.png"}],"textures":[{"source":0}],"materials":[{"pbrMetallicRoughness":)"
+      R"({"baseColorTexture":{"index":0,"texCoord":1}}}],)"
       R"("nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0})");
 }
 
