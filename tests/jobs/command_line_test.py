@@ -218,7 +218,7 @@ class Usage(JobTest):
         self.expect(0, "render", room, *small, "--lighting", "zonal", "--form-factors", "hemicube", says=["belong to --lighting radiosity"])
         self.expect(0, "render", room, *small, "--zone-size", "1", says=["options of zones"])
         self.expect(0, "render", room, *small, "--lighting", "zonal", "--gather-rays", "4", says=["--gather-rays belongs to --zone-view gather"])
-        self.expect(1, "render", room, *small, "--lighting", "zonal", "--gather-rays", "0", says=["--gather-rays"])
+        self.expect(2, "render", room, *small, "--lighting", "zonal", "--gather-rays", "0", says=["--gather-rays"])
         self.expect(1, "render", room, *small, *matrix[:2], "--zone-size", "0.02", "--form-factors", "hemicube", "--zone-memory", "0.1",
                     says=["sides of zones", "a larger --zone-size, a smaller --hemicube"])
 
