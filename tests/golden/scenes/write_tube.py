@@ -1,50 +1,15 @@
 """Writes tube.gltf: a skinned tube with a texture and colours of vertices, a ball that a morph target pulls out of shape,
 panes of glass and of coloured film, a floor, a camera that moves, and lamps. All of it is made of numbers here."""
-import base64
-import json
 import math
 import pathlib
-import struct
-import zlib
+import sys
 
-buffer, views, accessors = bytearray(), [], []
-FORMATS = {5121: "B", 5123: "H", 5126: "f"}
-PARTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[2] / "scenes" / "models"))
+from gltf_writer import Writer, grid, moved, picture, turn  # noqa: E402
 
-
-def view(data):
-    buffer.extend(b"\0" * (-len(buffer) % 4))
-    views.append({"buffer": 0, "byteOffset": len(buffer), "byteLength": len(data)})
-    buffer.extend(data)
-    return len(views) - 1
-
-
-def accessor(values, shape, code=5126, normalized=False):
-    flat = [x for value in values for x in (value if isinstance(value, (list, tuple)) else [value])]
-    a = {"bufferView": view(struct.pack(f"<{len(flat)}{FORMATS[code]}", *flat)), "componentType": code, "type": shape,
-         "count": len(flat) // PARTS[shape]}
-    if normalized:
-        a["normalized"] = True
-    accessors.append(a)
-    return len(accessors) - 1
-
-
-def picture(width, height, pixel):
-    """A PNG of red, green, blue and alpha."""
-    rows = b"".join(b"\0" + bytes(c for x in range(width) for c in pixel(x, y)) for y in range(height))
-    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)) +
-            chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
-
-
-def grid(columns, rows, point):
-    """Vertices of columns + 1 by rows + 1 points, and the triangles between them."""
-    vertices = [point(x / columns, y / rows) for y in range(rows + 1) for x in range(columns + 1)]
-    at = lambda x, y: y * (columns + 1) + x
-    triangles = [i for y in range(rows) for x in range(columns)
-                 for i in (at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y), at(x + 1, y + 1), at(x, y + 1))]
-    return vertices, triangles
-
+writer = Writer()
+accessor, view = writer.accessor, writer.view
 
 # A tube about y from 0 to 3, on two bones: the upper one stands at 1.5.
 SIDES, RINGS = 12, 8
@@ -60,8 +25,7 @@ tube = {"attributes": {
     "JOINTS_0": accessor([(0, 1, 0, 0) for _ in points], "VEC4", 5121),
     "WEIGHTS_0": accessor([(1 - share(p[1]), share(p[1]), 0, 0) for p in points], "VEC4")},
     "indices": accessor(triangles, "SCALAR", 5123), "material": 0}
-move = lambda y: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -y, 0, 1]
-inverse = accessor([move(0), move(1.5)], "MAT4")
+inverse = accessor([moved(0, 0, 0), moved(0, -1.5, 0)], "MAT4")
 
 # A ball and what it becomes.
 ball_points, ball_triangles = grid(12, 8, lambda u, v: round_(
@@ -76,7 +40,6 @@ square = {"POSITION": accessor([(-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0)],
 plane = lambda material: {"primitives": [{"attributes": square, "mode": 5, "material": material}]}
 
 times = accessor([0, 1], "SCALAR")
-turn = lambda axis, degrees: [math.sin(math.radians(degrees) / 2) * a for a in axis] + [math.cos(math.radians(degrees) / 2)]
 bend = accessor([turn((0, 0, 1), -20), turn((0, 0, 1), 50)], "VEC4")
 pull = accessor([0, 0, 0, 0, 1, 0], "SCALAR")
 slide = accessor([(0, 0, 0), (0.5, 0, 0)], "VEC3")
@@ -84,7 +47,6 @@ slide = accessor([(0, 0, 0), (0.5, 0, 0)], "VEC3")
 checks = view(picture(8, 8, lambda x, y: (230, 60 + 20 * y, 40, 255) if (x // 2 + y // 2) % 2 else (240, 230, 210, 255)))
 hole = view(picture(8, 8, lambda x, y: (60, 160, 80, 255 if (x - 3.5) ** 2 + (y - 3.5) ** 2 > 5 else 0)))
 model = {
-    "asset": {"version": "2.0"},
     "extensionsUsed": ["KHR_lights_punctual", "KHR_texture_transform", "KHR_materials_clearcoat",
                        "KHR_materials_transmission", "KHR_materials_volume", "KHR_materials_ior"],
     "extensions": {"KHR_lights_punctual": {"lights": [
@@ -125,12 +87,9 @@ model = {
                                  {"input": times, "output": slide}],
                     "channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}},
                                  {"sampler": 1, "target": {"node": 3, "path": "weights"}},
-                                 {"sampler": 2, "target": {"node": 8, "path": "translation"}}]}],
-    "bufferViews": views, "accessors": accessors}
+                                 {"sampler": 2, "target": {"node": 8, "path": "translation"}}]}]}
 for mesh in model["meshes"]:
     for primitive in mesh["primitives"]:
         if primitive.get("targets") == []:
             del primitive["targets"]
-model["buffers"] = [{"byteLength": len(buffer), "uri": "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()}]
-path = pathlib.Path(__file__).with_name("tube.gltf")
-path.write_text(json.dumps(model, indent=None, separators=(",", ":")).replace('},{', '},\n{') + "\n")
+writer.write(HERE / "tube.gltf", model)
