@@ -286,7 +286,7 @@ int print_info(const std::string& path, const LoadOptions& load, const BuildOpti
   print_zones(s, zones, scene.frames ? (*scene.frames)[0] : 0);
   print_materials(scene);
   print_textures(scene);
-  fmt::print("object tree, and bounds in the world of what objects have themselves\n");
+  fmt::print("object tree\n");
   size_t lines = kMostLines;
   print_tree(scene, bounds_of_objects(scene), scene.root, 0, lines);
   fmt::print("memory (the block that load data carries)\n");

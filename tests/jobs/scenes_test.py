@@ -47,7 +47,7 @@ class HierarchyScenes(JobTest):
     def info(self, name):
         told = self.run_alone("info", FOLDER / f"{name}.yaml")
         self.assertEqual(told.code, 0, told.stderr)
-        return told.stdout
+        return re.sub(r"; x .* to .*, y .* to .*, z .*$", "", told.stdout, flags=re.M)  # no bounds of objects
 
     def test_generator_writes_the_files_that_are_kept(self):
         written = self.folder / "new" / "scenes"
