@@ -225,26 +225,6 @@ void add_messages(Options& options, RenderOptions& o) {
   add_quiet_options(options, o);
 }
 
-void check_output(const RenderOptions& o) {
-  if (!is_writable_image(o.output))
-    throw UsageError(fmt::format("-o {}: the name must end in .exr or .png", o.output));
-  if (has_frame_pattern(std::filesystem::path(o.output).parent_path().string()))
-    throw UsageError(
-        fmt::format("-o {}: the #### must stand in the file's name, not in its folder's", o.output));
-  if (has_frame_pattern(std::filesystem::path(o.zones_file).parent_path().string()))
-    throw UsageError(
-        fmt::format("--zones {}: the #### must stand in the file's name, not in its folder's", o.zones_file));
-  if (o.frames.empty()) return;
-  std::vector<FrameNumber> frames;
-  try {
-    frames = parse_frames(o.frames);
-  } catch (const std::invalid_argument& e) {
-    throw UsageError(fmt::format("--frames: {}", e.what()));
-  }
-  if (frames.size() > 1 && !has_frame_pattern(o.output))
-    throw UsageError(fmt::format("-o {}: several frames need #### in the file's name", o.output));
-}
-
 /// Options that exclude each other.
 void check_combinations(const RenderOptions& o) {
   const RenderSettings& s = o.settings;
@@ -295,6 +275,26 @@ void add_render_options(Options& options, RenderOptions& o) {
   add_items(options, o);
   add_net(options, o);
   add_messages(options, o);
+}
+
+void check_output(const RenderOptions& o) {
+  if (!is_writable_image(o.output))
+    throw UsageError(fmt::format("-o {}: the name must end in .exr or .png", o.output));
+  if (has_frame_pattern(std::filesystem::path(o.output).parent_path().string()))
+    throw UsageError(
+        fmt::format("-o {}: the #### must stand in the file's name, not in its folder's", o.output));
+  if (has_frame_pattern(std::filesystem::path(o.zones_file).parent_path().string()))
+    throw UsageError(
+        fmt::format("--zones {}: the #### must stand in the file's name, not in its folder's", o.zones_file));
+  if (o.frames.empty()) return;
+  std::vector<FrameNumber> frames;
+  try {
+    frames = parse_frames(o.frames);
+  } catch (const std::invalid_argument& e) {
+    throw UsageError(fmt::format("--frames: {}", e.what()));
+  }
+  if (frames.size() > 1 && !has_frame_pattern(o.output))
+    throw UsageError(fmt::format("-o {}: several frames need #### in the file's name", o.output));
 }
 
 void check_render(RenderOptions& o) {

@@ -74,7 +74,9 @@ void check_each(const SceneDescription& scene) {
 }
 
 /// The options of the command line with those of the scene that it leaves open.
-RenderOptions join(const std::vector<std::string>& words, const SceneDescription& scene) {
+/// `problem`: what was wrong without the scene's.
+RenderOptions join(const std::vector<std::string>& words, const SceneDescription& scene,
+                   const std::string& problem = "") {
   check_each(scene);
   RenderLine typed;
   typed.read(words);
@@ -88,6 +90,7 @@ RenderOptions join(const std::vector<std::string>& words, const SceneDescription
     check_render(options);
     return options;
   } catch (const UsageError& e) {
+    if (e.what() == problem) throw JobError(kUsageError, problem);
     throw InputError(scene.source(scene.render.front().place),
                      fmt::format("with what `render` asks for: {}", e.what()));
   }
@@ -109,6 +112,7 @@ bool may_choose(const std::string& path) {
 }  // namespace
 
 void check_until_scene_is_known(RenderOptions& options, const std::vector<std::string>& words) {
+  check_output(options);
   std::string problem;
   try {
     check_render(options);
@@ -117,7 +121,7 @@ void check_until_scene_is_known(RenderOptions& options, const std::vector<std::s
     problem = e.what();  // unless the scene adds what is missing
   }
   options.adopt = [typed = options, words, problem](const SceneDescription& scene) {
-    if (!scene.render.empty()) return join(words, scene);
+    if (!scene.render.empty()) return join(words, scene, problem);
     if (!problem.empty()) throw JobError(kUsageError, problem);
     return typed;
   };

@@ -279,6 +279,13 @@ class SceneChoices(JobTest):
         plain = self.write("plain.yaml", VIEW + BALL)
         self.assertEqual(self.bytes_of(scene, "--adaptive", "0.1"),
                          self.bytes_of(plain, "--samples", "4", "--size", "40x30", "--adaptive", "0.1"))
+        result = self.run_alone("render", scene, "-o", self.folder / "a.png", "--frames", "1,2")
+        self.assertEqual(result.code, 2, result.stderr)
+        self.assertIn("rayfarm: -o", result.stderr)
+        self.assertIn("several frames need ####", result.stderr)
+        result = self.run_alone("render", scene, "-o", self.folder / "a.png", "--subpixels", "2x2")
+        self.assertEqual(result.code, 2, result.stderr)
+        self.assertIn("rayfarm: --subpixels", result.stderr)
         for needy in (plain, self.write("none.yaml", "# render nothing\n" + VIEW + BALL)):
             result = self.run_alone("render", needy, "-o", self.folder / "a.png", "--adaptive", "0.1")
             self.assertEqual(result.code, 2, result.stderr)
