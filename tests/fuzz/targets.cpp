@@ -25,7 +25,6 @@
 #include "tests/fuzz/image_bytes.h"
 #include "tests/fuzz/mesh_seeds.h"
 #include "tests/fuzz/messages.h"
-#include "tests/fuzz/obj_seeds.h"
 #include "tests/fuzz/zone_bytes.h"
 #include "tests/read_in_pieces.h"
 #include "tests/render_little.h"

@@ -1,6 +1,9 @@
 #pragma once
 // What the readers of YAML values share: the scene that a document joins, what its names stand for, and what
 // is wrong so far.
+#include <fmt/core.h>
+
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -42,19 +45,29 @@ class YamlNames {
   void define(const YamlValue& key, uint32_t id);
   /// The id of what the value names. `otherwise`: what else could stand here.
   uint32_t find(const YamlValue& value, const std::string& otherwise = "") const;
+  /// The same, or of what a map describes in place of a name: `make(its name)` makes that, once for an anchor
+  /// and its aliases.
+  template <typename Make>
+  uint32_t find_or_make(const YamlValue& value, Make make, const std::string& otherwise = "") {
+    if (!value.is_map()) return find(value, otherwise);
+    const Place place = value.place();
+    const auto [found, is_new] = in_place_.try_emplace(
+        {place.file, static_cast<uint32_t>(place.line), static_cast<uint32_t>(place.column)}, 0);
+    if (is_new) found->second = make(fmt::format("line {}", place.line));
+    return found->second;
+  }
 
  private:
   std::string kind_;
   std::map<std::string, uint32_t, std::less<>> ids_;
   std::vector<std::string> names_;  ///< in the order of their definitions
+  std::map<std::array<uint32_t, 3>, uint32_t> in_place_;
 };
 
 /// What all documents of a scene have in common.
 struct YamlScene {
   SceneDescription description;
   YamlNames textures{"texture"}, materials{"material"}, objects{"object"};
-  /// Of what is described where it is used; an alias is its anchor.
-  std::map<std::array<uint32_t, 3>, uint32_t> textures_in_place, materials_in_place;
   YamlProblems problems;
 };
 

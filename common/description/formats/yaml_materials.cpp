@@ -300,16 +300,14 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
 }
 
 uint32_t find_material(const YamlValue& value, YamlDocument& document, const std::string& otherwise) {
-  if (!value.is_map()) return document.shared.materials.find(value, otherwise);
-  const Place place = value.place();
-  const auto [found, is_new] = document.shared.materials_in_place.try_emplace(
-      {place.file, static_cast<uint32_t>(place.line), static_cast<uint32_t>(place.column)}, 0);
-  if (is_new) {
-    MaterialDescription material = read_material(fmt::format("line {}", place.line), value, document);
-    found->second = static_cast<uint32_t>(document.scene().materials.size());
-    document.scene().materials.push_back(std::move(material));
-  }
-  return found->second;
+  return document.shared.materials.find_or_make(
+      value,
+      [&](const std::string& name) {
+        MaterialDescription material = read_material(name, value, document);
+        document.scene().materials.push_back(std::move(material));
+        return static_cast<uint32_t>(document.scene().materials.size() - 1);
+      },
+      otherwise);
 }
 
 Light read_light(const YamlValue& value, YamlDocument& document, std::vector<SpectrumDescription>& spectra) {

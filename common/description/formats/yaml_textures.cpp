@@ -132,16 +132,11 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
 }
 
 uint32_t find_texture(const YamlValue& value, YamlDocument& document) {
-  if (!value.is_map()) return document.shared.textures.find(value);
-  const Place place = value.place();
-  const auto [found, is_new] = document.shared.textures_in_place.try_emplace(
-      {place.file, static_cast<uint32_t>(place.line), static_cast<uint32_t>(place.column)}, 0);
-  if (is_new) {
-    TextureDescription texture = read_texture(fmt::format("line {}", place.line), value, document);
-    found->second = static_cast<uint32_t>(document.scene().textures.size());
+  return document.shared.textures.find_or_make(value, [&](const std::string& name) {
+    TextureDescription texture = read_texture(name, value, document);
     document.scene().textures.push_back(std::move(texture));
-  }
-  return found->second;
+    return static_cast<uint32_t>(document.scene().textures.size() - 1);
+  });
 }
 
 void read_environment(const YamlValue& value, YamlDocument& document) {

@@ -33,7 +33,7 @@ set key outside right
 set xlabel "CPU seconds, the light of zones included"
 set ylabel "RMS of pixels over the mean"
 set title "Noise over CPU seconds, Goral's room"
-plot for [i=0:8] "costs.dat" index i using 1:2 with linespoints pt 7 lc i+1 title columnheader(1), 0.01 lc 0 title "asked"
+plot for [i=0:13] "costs.dat" index i using 1:2 with linespoints pt 7 lc i+1 title columnheader(1), 0.01 lc 0 title "asked"
 set output "ranks.svg"
 set key inside right top
 set xlabel "nodes"
