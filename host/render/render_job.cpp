@@ -94,6 +94,13 @@ class Render {
     for (const FrameNumber frame : choose_frames(options_, loaded_->description)) {
       if (interrupted_by() != 0) throw JobError(kStopped, "stopped before anything was traced");
       const std::string file = file_of_frame(options_.output, frame);
+      std::error_code ignored;
+      if (std::filesystem::exists(file, ignored))
+        for (const std::string& other : loaded_->description.files)
+          if (std::filesystem::equivalent(file, other, ignored))
+            throw JobError(kUsageError, fmt::format("-o {}: the scene is made of this file, which would be "
+                                                    "replaced; choose another name",
+                                                    file));
       if (options_.skip_existing && std::filesystem::exists(file)) {
         const std::string why = why_not_finished(file, settings, frame, attributes);
         if (why.empty()) {

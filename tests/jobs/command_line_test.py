@@ -295,7 +295,7 @@ class SceneChoices(JobTest):
         for render, place, problem in (("{sampels: 4}", ":4:18", "did you mean 'samples'"), ("{samples: 0}", ":4:18", "--samples"),
                                        ("{frames: 1}", ":4:17", "on the command line"), ("{lighting: paths}", ":4:19", "choose path|"),
                                        ("{lighting: path, adaptive: 1, samples: 4}", ":4:19", "--adaptive compares"),
-                                       ("{samples: {a: 1}}", ":4:19", "a value was expected"), ("[1]", ":4:9", "must be a map")):
+                                       ("{samples: {a: 1}}", ":4:19", "a value was expected"), ("{samples: [1]}", ":4:19", "takes one value"), ("[1]", ":4:9", "must be a map")):
             scene = self.write("scene.yaml", VIEW + BALL + f"render: {render}\n")
             for command in (["check", scene], ["render", scene, "-o", self.folder / "a.png"]):
                 result = self.run_alone(*command)
@@ -303,6 +303,17 @@ class SceneChoices(JobTest):
                 self.assertRegex(result.stderr, r"scene\.yaml:\d+:\d+: ")
                 self.assertIn(problem, result.stderr)
         self.assertEqual(self.leftovers(), [])
+
+    def test_a_picture_takes_the_place_of_no_file_of_the_scene(self):
+        texture = self.folder / "texture.png"
+        plain = self.write("plain.yaml", VIEW + BALL)
+        self.assertEqual(self.run_alone("render", plain, "-o", texture, "--size", "8x8", "-q").code, 0)
+        before = texture.read_bytes()
+        scene = self.write("scene.yaml", VIEW + "scene: [{material: {texture: {kind: image, file: texture.png}}, sphere: {center: [0, 0, 0], radius: 1}}]\n")
+        result = self.run_alone("render", scene, "-o", texture, "--size", "8x8", "-q")
+        self.assertEqual(result.code, 2, result.stderr)
+        self.assertIn("the scene is made of this file", result.stderr)
+        self.assertEqual(texture.read_bytes(), before)
 
     def test_exposure_scales_what_pictures_hold(self):
         for name, background, stops in (("dim", 0.25, 1), ("bright", 0.5, 0)):

@@ -16,7 +16,7 @@ using BezierPatch = std::array<Vec3, 16>;
 uint32_t divisions_for(std::span<const BezierPatch> patches, double error, uint32_t most);
 
 /// Each patch as divisions² pairs of triangles over points of the surface, with the surface's normals,
-/// counter- clockwise along u and then v. Patches that share the control points of an edge share the points
+/// counter-clockwise along u and then v. Patches that share the control points of an edge share the points
 /// on it to the bit, whichever way they run along it.
 MeshShape dice_patches(std::span<const BezierPatch> patches, uint32_t divisions, Smoothing smoothing);
 

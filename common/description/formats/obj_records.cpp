@@ -42,10 +42,21 @@ void ObjRecords::add(const ObjPiece::Setting& setting) {
       return read_libraries(setting);
     case ObjPiece::Setting::smoothing: {
       const bool is_flat = setting.text == "off" || setting.text == "0" || setting.text == "null";
+      const size_t face = faces_ + setting.faces_before;
+      // Of those that no face comes between the last counts, wherever pieces end.
+      if (smoothing_.size() > 1 && smoothing_.back().first_face == face) {
+        smoothing_.pop_back();
+        if (newest_group_) groups_.erase(*newest_group_);
+      }
+      newest_group_.reset();
       uint32_t group = 0;
-      if (!is_flat)
-        group = groups_.try_emplace(setting.text, static_cast<uint32_t>(groups_.size()) + 1).first->second;
-      smoothing_.push_back({faces_ + setting.faces_before, group});
+      if (!is_flat) {
+        const auto [found, is_new] =
+            groups_.try_emplace(setting.text, static_cast<uint32_t>(groups_.size()) + 1);
+        group = found->second;
+        if (is_new) newest_group_ = setting.text;
+      }
+      smoothing_.push_back({face, group});
       return;
     }
     case ObjPiece::Setting::name: {

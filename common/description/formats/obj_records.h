@@ -56,6 +56,7 @@ class ObjRecords {
   std::vector<std::string> libraries_;
   std::vector<Run> materials_, smoothing_{{0, kAllSmooth}};
   std::map<std::string, uint32_t, std::less<>> groups_;
+  std::optional<std::string> newest_group_;  ///< that the last run was the first to name
   void end_name(size_t faces);
   std::vector<NamedFaces> names_;
   std::map<std::string, size_t, std::less<>> name_ids_;  ///< which of names_

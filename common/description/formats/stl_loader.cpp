@@ -125,6 +125,7 @@ void read_text(SceneDescription& scene, std::string_view text, const MeshRequest
     if (piece.is_broken) {
       StlPiece whole;
       read_stl_piece(text, request.path, options.stop, whole);  // throws, knowing what stands before
+      throw std::logic_error("a broken part of an STL file is none in the whole");
     }
     if (piece.is_closed || piece.is_open) is_open = piece.is_open;
     size_t begin = 0;

@@ -141,13 +141,15 @@ class SceneReader {
         name.fail(fmt::format("files include each other more than {} deep", kIncludeDepth));
       if (included_.size() > kMostDocuments)
         name.fail(fmt::format("a scene includes no more than {} files", kMostDocuments - 1));
-      std::string text;
-      try {
-        text = read_file(file, limits::kYamlFileBytes, options_.stop);
-      } catch (const IoError& e) {
-        name.fail(e.what());
-      }
-      shared_.problems.keep([&] { read_document(text, file, depth + 1); });
+      shared_.problems.keep([&] {
+        std::string text;
+        try {
+          text = read_file(file, limits::kYamlFileBytes, options_.stop);
+        } catch (const IoError& e) {
+          name.fail(e.what());
+        }
+        read_document(text, file, depth + 1);
+      });
     }
   }
   static std::string canonical(const std::string& path) {
@@ -161,6 +163,8 @@ class SceneReader {
       std::string name = key.text(), words;
       std::replace(name.begin(), name.end(), '_', '-');
       if (v.is_map()) v.fail("a value was expected, as the command line takes it");
+      const bool is_several = name == "size" || name == "subpixels" || name == "crop";
+      if (v.is_sequence() && !is_several) v.fail(fmt::format("`{}` takes one value", name));
       const std::vector<YamlValue> items = v.is_sequence() ? v.items() : std::vector<YamlValue>{v};
       for (const YamlValue& item : items) {
         // --size 640x480, but --colour-nodes 450,550

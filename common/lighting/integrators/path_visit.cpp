@@ -72,6 +72,7 @@ bool PathTracer::visit(size_t lane, Path& path, Ray& ray, const Hit& hit, Surfac
   if (is_last || lobes.empty()) return false;
   if (splits(path) && std::any_of(lobes.begin(), lobes.end(),
                                   [](const Lobe& lobe) { return lobe.spread != Lobe::Spread::perfect; })) {
+    set_lane(lanes_.throughput, lane, path.throughput);  // the split rays begin with it
     turns_.push_back({lane, surface, at, lobes, is_dielectric});
     return false;
   }

@@ -144,6 +144,7 @@ void GltfAnimation::read_channel(const GltfValue& clip, const GltfValue& channel
   if (accessor.count() != keys * per_key * targets)
     sampler.at("output").fail(fmt::format("{} values were expected for {} keys, not {}",
                                           keys * per_key * targets, keys, accessor.count()));
+  file_.take_elements(sampler, accessor.count());  // many channels may name one sampler
   const LargeVector<float> values = accessor.all<float>();
   GltfMotion& motion = motions_[node];
   if (is_weights) motion.weights.clear();
@@ -163,6 +164,8 @@ void GltfAnimation::read_channel(const GltfValue& clip, const GltfValue& channel
               static_cast<double>(values[((key * per_key + k) * targets + t) * parts + c]);
         if (!is_finite(Vec3(value)) || !std::isfinite(value.w))
           sampler.at("output").fail(fmt::format("the values of its {}. key are not all numbers", key + 1));
+        if (max_magnitude(Vec3(value)) > limits::kCoordinate)
+          sampler.at("output").fail(fmt::format("the values of its {}. key are too large", key + 1));
         if (is_cubic && k != 1)
           value /= file_.options().fps;  // slopes are per second
         else if (is_rotation)
@@ -192,6 +195,8 @@ std::vector<TransformStep> GltfAnimation::transform_of(uint32_t node) const {
       for (int row = 0; row < 3; ++row)
         step.matrix.linear[column][row] = m[static_cast<size_t>(4 * column + row)];
     step.matrix.translation = {m[12], m[13], m[14]};
+    if (std::any_of(m.begin(), m.end(), [](double v) { return !(std::abs(v) <= limits::kCoordinate); }))
+      matrix->fail("its numbers are too large");
     if (const double size = glm::determinant(step.matrix.linear); size == 0 || !std::isfinite(size))
       step.matrix.linear += Mat3(kLeastScale);  // it flattens what is there
     if (!step.matrix.is_identity()) steps.push_back(std::move(step));

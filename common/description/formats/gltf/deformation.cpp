@@ -64,7 +64,7 @@ void read_skin(const GltfFile& file, const GltfValue& primitive, size_t count, c
   for (size_t i = 0; i < used.count; ++i) {
     float* const weights = &d.weights[i * d.influences];
     if (std::any_of(weights, weights + d.influences, [](float w) { return w > 0; })) continue;
-    weights[0] = 1;  // of the first joint that it names
+    weights[0] = 1;  // of the skin's first joint
     ++notes.bad_weights;
   }
 }

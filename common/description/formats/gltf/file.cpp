@@ -42,6 +42,7 @@ std::string percent_decoded(const GltfValue& owner, const std::string& uri) {
     if (digits.size() != 2 || digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
       owner.fail(fmt::format("'{}' is no URI: two hexadecimal digits must follow %", uri.substr(0, 100)));
     text += static_cast<char>(std::stoi(digits, nullptr, 16));
+    if (text.back() == '\0') owner.fail("a URI with %00 in it names no file");
     i += 2;
   }
   return text;
