@@ -75,7 +75,7 @@ class ObjectBounds {
     for (const ChildDescription& child : object.children) {
       if (child.object >= scene_.objects.size()) continue;
       if (child.visible && value_of(*child.visible).x == 0) continue;
-      add(child.object, world_from_object * eval_steps(child.transform), depth + 1);
+      add(child.object, world_from_object * eval_steps(child.transform, frame_), depth + 1);
     }
   }
 
@@ -117,17 +117,10 @@ class ObjectBounds {
     std::vector<Affine>& bones = skeletons_[skeleton];
     if (bones.empty())
       for (const SkeletonDescription::Bone& bone : scene_.skeletons[skeleton].bones) {
-        const Affine own = eval_steps(bone.transform);
+        const Affine own = eval_steps(bone.transform, frame_);
         bones.push_back(bone.parent == kNone ? own : bones[bone.parent] * own);
       }
     return bones;
-  }
-
-  Affine eval_steps(std::span<const TransformStep> steps) const {
-    Affine all;
-    for (const TransformStep& step : steps)
-      all = eval_transform(step.kind, value_of(step.curve), step.axis, step.matrix) * all;
-    return all;
   }
 
   const SceneDescription& scene_;

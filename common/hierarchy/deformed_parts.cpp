@@ -31,12 +31,7 @@ size_t block_count(const Scene& scene) {
 
 /// What joints do to the vertices that hang on them alone.
 std::vector<Affine> joint_transforms(const Scene& scene, double frame) {
-  std::vector<Affine> bones(scene.bones.size());
-  for (size_t i = 0; i < bones.size(); ++i) {
-    const Bone& bone = scene.bones[i];
-    const Affine local = scene.eval_steps(bone.first_step, bone.step_count, frame);
-    bones[i] = bone.parent == kNone ? local : bones[bone.parent] * local;
-  }
+  const std::vector<Affine> bones = scene.transforms_to_root(scene.bones, frame);
   std::vector<Affine> transforms;
   transforms.reserve(scene.joints.size());
   for (const Joint& joint : scene.joints) transforms.push_back(bones[joint.bone] * joint.bone_from_mesh);

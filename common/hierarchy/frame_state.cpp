@@ -6,13 +6,7 @@
 namespace rayfarm {
 
 std::vector<Affine> world_transforms(const Scene& scene, double frame) {
-  std::vector<Affine> world(scene.object_nodes.size());
-  for (size_t i = 0; i < world.size(); ++i) {
-    const ObjectNode& node = scene.object_nodes[i];
-    const Affine local = scene.eval_steps(node.first_step, node.step_count, frame);
-    world[i] = node.parent == kNone ? local : world[node.parent] * local;
-  }
-  return world;
+  return scene.transforms_to_root(scene.object_nodes, frame);
 }
 
 std::vector<char> visible_nodes(const Scene& scene, double frame) {

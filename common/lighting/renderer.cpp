@@ -10,12 +10,6 @@
 namespace rayfarm {
 namespace {
 
-/// Exact for whole stops.
-double power_of_two(double stops) {
-  const double whole = std::floor(stops);
-  return std::ldexp(portable_pow(2, stops - whole), static_cast<int>(whole));
-}
-
 constexpr size_t kRaysPerPulse = 64;
 
 }  // namespace
@@ -37,7 +31,7 @@ class Renderer::Rendering {
         eye_media_(renderer.eye_media_),
         rect_(rect),
         pulse_(pulse),
-        exposure_(power_of_two(settings_.exposure_stops)),
+        exposure_(portable_exp2(settings_.exposure_stops)),
         film_(rect, make_pixel_layout(settings_.pixel_format)) {}
 
   RenderedPixels run() {

@@ -23,6 +23,10 @@ enum class MaterialKind : uint32_t {
               ///< back, the colour of what it reflects, are the nearest to it (principled.h)
 };
 
+inline constexpr std::array kMaterialKindWords{"classical",  "lambertian", "conductor",
+                                               "dielectric", "polished",   "translucent",
+                                               "luminaire",  "mix",        "principled"};
+
 /// Which rays a material reflects ("It is useful to be able to turn off reflections from a particular
 /// material": Shirley, Sung and Brown 1991, section 2.4). Light straight from sources is reflected always.
 enum class Reflections : uint32_t {

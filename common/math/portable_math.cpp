@@ -161,6 +161,11 @@ double portable_log(double x) {
   return l.high + l.low;
 }
 
+double portable_exp2(double x) {
+  const double whole = std::floor(x);
+  return std::ldexp(portable_pow(2, x - whole), static_cast<int>(whole));
+}
+
 double portable_pow(double base, double exponent) {
   if (exponent == 0 || base == 1) return 1;
   if (!(base > 0)) return exponent > 0 ? 0 : std::numeric_limits<double>::infinity();

@@ -18,6 +18,7 @@ double portable_tan(double radians);                ///< |radians| < pi/2
 double portable_acos(double x);                     ///< x is clamped to [-1, 1]; radians in [0, pi]
 double portable_exp(double x);                      ///< 0 below -745, infinity above 709
 double portable_log(double x);                      ///< natural logarithm of a positive, finite number
+double portable_exp2(double x);                     ///< |x| <= 1000; exact for whole numbers
 double portable_pow(double base, double exponent);  ///< base >= 0; 0 to any positive power is 0
 
 }  // namespace rayfarm

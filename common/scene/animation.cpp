@@ -67,4 +67,14 @@ Affine eval_transform(TransformKind kind, const Vec4& value, const Vec3& axis, c
   return matrix;
 }
 
+Affine eval_steps(std::span<const TransformStep> steps, double frame) {
+  Affine all;
+  for (const TransformStep& step : steps)
+    all = eval_transform(step.kind,
+                         eval_curve(step.curve.interpolation, step.curve.frames, step.curve.values, frame),
+                         step.axis, step.matrix) *
+          all;
+  return all;
+}
+
 }  // namespace rayfarm

@@ -56,5 +56,7 @@ struct TransformStep {
 
 /// The transform of one step at a value of its curve.
 Affine eval_transform(TransformKind kind, const Vec4& value, const Vec3& axis, const Affine& matrix);
+/// What all steps come to at `frame`.
+Affine eval_steps(std::span<const TransformStep> steps, double frame);
 
 }  // namespace rayfarm

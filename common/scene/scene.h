@@ -198,6 +198,16 @@ struct Scene : SceneArrays<ArrayView> {
   Vec4 eval(uint32_t curve, double frame) const;
   /// A transform of several steps.
   Affine eval_steps(uint32_t first, uint32_t count, double frame) const;
+  /// Of object nodes or bones, which stand behind their parents: what leads from each to the root's space.
+  template <typename Node>
+  std::vector<Affine> transforms_to_root(std::span<const Node> chain, double frame) const {
+    std::vector<Affine> all(chain.size());
+    for (size_t i = 0; i < all.size(); ++i) {
+      const Affine local = eval_steps(chain[i].first_step, chain[i].step_count, frame);
+      all[i] = chain[i].parent == kNone ? local : all[chain[i].parent] * local;
+    }
+    return all;
+  }
 };
 
 /// Calls visit(name, array) for every array in the block's order.

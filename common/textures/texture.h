@@ -29,6 +29,9 @@ enum class TextureKind : uint32_t {
   array     ///< values in space (thesis 2.3.6), from `first` for 0 to `second` for 1; each cell is 1 wide
 };
 
+inline constexpr std::array kTextureKindWords{"checker", "noise",   "marble", "wood", "boards",
+                                              "bricks",  "fourier", "image",  "array"};
+
 struct Texture {
   TextureKind kind = TextureKind::checker;
   uint32_t is_mapped = 0;  ///< 1: the pattern lies in (u, v, 0), not in space; images always do

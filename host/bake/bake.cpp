@@ -8,6 +8,7 @@
 #include "common/errors/input_error.h"
 #include "common/image/image_file.h"
 #include "common/lighting/zones/zone_mesh.h"
+#include "common/math/portable_math.h"
 #include "common/scene/camera.h"
 #include "host/bake/glb_file.h"
 
@@ -151,7 +152,7 @@ std::string Bake::write_vertices(const BakedLight& light, double stops,
                                  const std::map<std::string, std::string>& attributes) const {
   GlbScene file;
   for (uint32_t i = 0; i < description_.materials.size(); ++i) file.materials.push_back(material_name(i));
-  Exposed exposed{std::exp2(stops)};
+  Exposed exposed{portable_exp2(stops)};
   // A mesh for each object's surfaces of a material, as instances and materials rise.
   std::map<std::pair<uint32_t, uint32_t>, std::vector<const ZoneGrid*>> groups;
   for (const ZoneGrid& grid : zones_.map().grids()) {

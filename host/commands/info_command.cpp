@@ -68,54 +68,6 @@ void print_tree(const SceneDescription& scene, const std::vector<Box>& bounds, u
     print_tree(scene, bounds, child.object, depth + 1, lines_left);
 }
 
-const char* word_of(MaterialKind kind) {
-  switch (kind) {
-    case MaterialKind::classical:
-      return "classical";
-    case MaterialKind::lambertian:
-      return "lambertian";
-    case MaterialKind::conductor:
-      return "conductor";
-    case MaterialKind::dielectric:
-      return "dielectric";
-    case MaterialKind::polished:
-      return "polished";
-    case MaterialKind::translucent:
-      return "translucent";
-    case MaterialKind::luminaire:
-      return "luminaire";
-    case MaterialKind::mix:
-      return "mix";
-    case MaterialKind::principled:
-      return "principled";
-  }
-  return "";
-}
-
-const char* word_of(TextureKind kind) {
-  switch (kind) {
-    case TextureKind::checker:
-      return "checker";
-    case TextureKind::noise:
-      return "noise";
-    case TextureKind::marble:
-      return "marble";
-    case TextureKind::wood:
-      return "wood";
-    case TextureKind::boards:
-      return "boards";
-    case TextureKind::bricks:
-      return "bricks";
-    case TextureKind::fourier:
-      return "fourier";
-    case TextureKind::image:
-      return "image";
-    case TextureKind::array:
-      return "array";
-  }
-  return "";
-}
-
 /// Their colours are the factors of textures, where they have some.
 void print_materials(const SceneDescription& scene) {
   fmt::print("materials\n");
@@ -134,8 +86,8 @@ void print_materials(const SceneDescription& scene) {
     std::string names;
     for (const uint32_t texture : textures)
       names += (names.empty() ? "; " : ", ") + scene.textures[texture].name;
-    fmt::print("  {}: {}, colour {:.3g} {:.3g} {:.3g}{}{}\n", m.name, word_of(m.kind), m.color.x, m.color.y,
-               m.color.z,
+    fmt::print("  {}: {}, colour {:.3g} {:.3g} {:.3g}{}{}\n", m.name,
+               kMaterialKindWords[static_cast<size_t>(m.kind)], m.color.x, m.color.y, m.color.z,
                m.emission == Color(0)
                    ? ""
                    : fmt::format(", shines {:.3g} {:.3g} {:.3g}", m.emission.x, m.emission.y, m.emission.z),
@@ -152,7 +104,7 @@ void print_textures(const SceneDescription& scene) {
     std::string size;
     if (t.kind == TextureKind::image) size = fmt::format(" {}×{}", t.width_px, t.height_px);
     if (t.kind == TextureKind::array) size = fmt::format(" {}×{}×{}", t.width_px, t.height_px, t.depth_px);
-    fmt::print("  {}: {}{}\n", t.name, word_of(t.kind), size);
+    fmt::print("  {}: {}{}\n", t.name, kTextureKindWords[static_cast<size_t>(t.kind)], size);
   }
 }
 

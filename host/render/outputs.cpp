@@ -74,6 +74,19 @@ void check_outputs(const RenderOptions& options) {
   }
 }
 
+void check_outputs_are_no_inputs(const RenderOptions& options, const std::vector<std::string>& pictures,
+                                 const std::vector<std::string>& inputs) {
+  std::vector<Output> outputs = outputs_of(options);
+  for (const std::string& file : pictures) outputs.push_back({"-o", file});
+  std::error_code ignored;
+  for (const Output& output : outputs) {
+    if (!fs::exists(output.file, ignored)) continue;
+    for (const std::string& input : inputs)
+      if (fs::equivalent(output.file, input, ignored))
+        refuse(output, "the scene is made of this file, which would be replaced; choose another name");
+  }
+}
+
 void make_output_folders(const RenderOptions& options) {
   for (const Output& output : outputs_of(options)) {
     std::error_code error;

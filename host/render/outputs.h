@@ -13,6 +13,10 @@ namespace rayfarm {
 /// written to; no two outputs have one name. Throws JobError. Only the host writes, so only it looks.
 void check_outputs(const RenderOptions& options);
 
+/// Throws JobError if an output, or the file of a picture, is one of the files that the scene was read from.
+void check_outputs_are_no_inputs(const RenderOptions& options, const std::vector<std::string>& pictures,
+                                 const std::vector<std::string>& inputs);
+
 /// Makes the outputs' folders where they are missing. Throws JobError.
 void make_output_folders(const RenderOptions& options);
 

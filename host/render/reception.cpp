@@ -44,7 +44,7 @@ class SceneLoading {
     loaded.load_s = now_s() - begin;
     loaded.options = options.adopt ? options.adopt(loaded.description) : options;
     loaded.options.adopt = options.adopt;  // it was asked
-    BuildOptions build = options.build;
+    BuildOptions build = loaded.options.build;
     build.progress = building;
     build.stop = std::move(stop);
     if (loaded.options.settings.self_hit == SelfHit::medium)

@@ -94,13 +94,6 @@ class Render {
     for (const FrameNumber frame : choose_frames(options_, loaded_->description)) {
       if (interrupted_by() != 0) throw JobError(kStopped, "stopped before anything was traced");
       const std::string file = file_of_frame(options_.output, frame);
-      std::error_code ignored;
-      if (std::filesystem::exists(file, ignored))
-        for (const std::string& other : loaded_->description.files)
-          if (std::filesystem::equivalent(file, other, ignored))
-            throw JobError(kUsageError, fmt::format("-o {}: the scene is made of this file, which would be "
-                                                    "replaced; choose another name",
-                                                    file));
       if (options_.skip_existing && std::filesystem::exists(file)) {
         const std::string why = why_not_finished(file, settings, frame, attributes);
         if (why.empty()) {
@@ -218,6 +211,7 @@ class Render {
       frames.push_back(picture.frame);
       farm_options.files.push_back(picture.file);
     }
+    check_outputs_are_no_inputs(options_, farm_options.files, loaded_->description.files);
     farm_options.plan = make_plan(options_, settings, frames, farm_.transport.node_count());
     const JobPlan& plan = farm_options.plan;
     const SubpolygonGrid& grid = plan.pictures.grid;

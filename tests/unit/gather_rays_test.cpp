@@ -74,6 +74,29 @@ TEST(GatherRays, ShowWhatPathsFind) {
   EXPECT_NEAR(sum_of_several / sum, 1, 0.01);
 }
 
+TEST(GatherRays, KeepWhatGlassTookOnTheWay) {
+  // A ball with a texture inside of a ball of dark glass: rays part in the glass.
+  const std::string text =
+      "view: {location: [0, 0, 0.9], look_at: [0, 0, -1], field_of_view: 40, aspect: 1}\n"
+      "textures: {squares: {kind: checker, first: 0.5, second: 0.8, scale: 0.3}}\n"
+      "materials:\n  wall: {lambertian: 0.7}\n  lamp: {luminaire: {color: 0, emission: 8}}\n"
+      "  glass: {dielectric: {index: 1.5, filter: [0.01, 0.1, 0.01]}}\n  tiles: {lambertian: 1, texture: "
+      "squares}\n"
+      "scene:\n"
+      "  - {material: lamp, polygon: {points: "
+      "[[-0.4,0.98,-0.4],[0.4,0.98,-0.4],[0.4,0.98,0.4],[-0.4,0.98,0.4]]}}\n"
+      "  - {material: glass, sphere: {center: [0,0,-0.3], radius: 0.5}}\n"
+      "  - {material: tiles, sphere: {center: [0,0,-0.3], radius: 0.3}}\n" +
+      room("wall");
+  SolvedZones solved(text, zone_settings(0.3, 20'000, ZoneView::gather));
+  const std::vector<float> one = solved.picture(12, 12, 256);
+  solved.settings.zones.gather_rays = 8;
+  const std::vector<float> several = solved.picture(12, 12, 128);
+  const double sum = std::accumulate(one.begin(), one.end(), 0.0),
+               sum_of_several = std::accumulate(several.begin(), several.end(), 0.0);
+  EXPECT_NEAR(sum_of_several / sum, 1, 0.02);
+}
+
 TEST(GatherRays, AreTheSameInLanesAndAlone) {
   const std::string media = "media: [{box: {min: [-1,-1,-1], max: [1,0,1]}, scattering: 0.3, g: 0.4}]\n";
   RenderSettings settings = zone_settings(0.4, 5'000, ZoneView::gather);

@@ -128,6 +128,22 @@ TEST(YamlDocuments, FilesThatIncludeEachOtherAreReadOnce) {
   EXPECT_EQ(scene.objects[scene.root].primitives.size(), 1u);
 }
 
+TEST(YamlDocuments, AFileThatSeveralDocumentsNameIsReadOnce) {
+  const std::string model = RAYFARM_SOURCE "/tests/golden/scenes/tube.gltf";
+  write_temporary("first.yaml", "objects: {a: {mesh: {file: " + model + "}}}\n");
+  write_temporary("second.yaml", "objects: {b: {mesh: {file: " + model + "}}}\n");
+  const SceneDescription scene =
+      load_yaml("include: [first.yaml, second.yaml]\n" + view_text() +
+                "scene: [{use: a}, {use: b, transform: {translate: [5, 0, 0]}}]\n");
+  EXPECT_EQ(std::count(scene.files.begin(), scene.files.end(), model), 1);
+}
+
+TEST(YamlDocuments, SeveralFilesThatAreMissingAreToldTogether) {
+  const std::string error =
+      error_of("include: [nowhere.yaml, nor_here.yaml]\n" + view_text() + "scene: []\n");
+  EXPECT_EQ(count_lines(error), 2u) << error;
+}
+
 TEST(YamlDocuments, LongListsOfIncludedFilesAreReadApart) {
   std::string points, faces;
   for (int i = 0; i < 300; ++i) {

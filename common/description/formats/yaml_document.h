@@ -5,7 +5,9 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "common/description/formats/yaml_reader.h"
@@ -68,6 +70,13 @@ class YamlNames {
 struct YamlScene {
   SceneDescription description;
   YamlNames textures{"texture"}, materials{"material"}, objects{"object"};
+  std::map<std::string, uint32_t> part_files;  ///< objects, by path
+  /// Objects by path, material, smoothing, crease, whether the material replaces the file's, and size of
+  /// zones.
+  std::map<std::tuple<std::string, uint32_t, std::optional<Smoothing>, double, bool, float>, uint32_t>
+      mesh_files;
+  /// Copies of materials, by material and size of zones.
+  std::map<std::pair<uint32_t, float>, uint32_t> zoned_materials;
   YamlProblems problems;
 };
 

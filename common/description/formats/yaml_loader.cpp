@@ -35,22 +35,28 @@ class SceneReader {
   SceneReader(const LoadOptions& options, std::optional<size_t> least_list_bytes)
       : options_(options), least_list_bytes_(least_list_bytes) {}
 
-  SceneDescription read(std::string_view text, const std::string& path) {
+  /// `outline`: the text's, or none to read it whole.
+  SceneDescription read(std::string_view text, const std::string& path, std::optional<YamlOutline> outline) {
     scene().materials.emplace_back("default");
-    read_document(text, path, 0);
+    read_document(text, std::move(outline), path, 0);
     shared_.problems.throw_if_any();
     return std::move(scene());
   }
-  /// True if lists were read apart, and all that were found.
-  bool has_read_apart() const { return has_outlines_ && !has_unread_lists_; }
+  /// True if a list was to be read apart, and nobody read it.
+  bool has_unread_lists() const { return has_unread_lists_; }
+  /// Of a document, if lists are to be read apart and it has some.
+  std::optional<YamlOutline> outline(std::string_view text) const {
+    std::optional<YamlOutline> found;
+    if (least_list_bytes_) found = outline_of(text, *least_list_bytes_);
+    if (found && found->is_empty()) found.reset();
+    return found;
+  }
 
  private:
   SceneDescription& scene() { return shared_.description; }
 
-  void read_document(std::string_view text, const std::string& path, size_t depth) {
-    std::optional<YamlOutline> outline;
-    if (least_list_bytes_) outline = outline_of(text, *least_list_bytes_);
-    if (outline && outline->is_empty()) outline.reset();
+  void read_document(std::string_view text, std::optional<YamlOutline> outline, const std::string& path,
+                     size_t depth) {
     count_opened(options_.progress, text.size());
     YamlBudget budget;
     budget.file = static_cast<uint32_t>(scene().files.size());
@@ -71,10 +77,7 @@ class SceneReader {
     YamlDocument document{shared_, std::filesystem::path(path).parent_path().string()};
     YamlMap map(YamlValue(root, depth == 0 ? "the scene" : "the included file", path, budget));
     read_map(map, document, path, depth);
-    if (outline) {
-      has_outlines_ = true;
-      has_unread_lists_ |= !outline->is_read();
-    }
+    has_unread_lists_ |= outline && !outline->is_read();
     if (const auto& list = budget.slow_list)
       scene().notes.add(
           scene().source(list->place),
@@ -148,7 +151,7 @@ class SceneReader {
         } catch (const IoError& e) {
           name.fail(e.what());
         }
-        read_document(text, file, depth + 1);
+        read_document(text, outline(text), file, depth + 1);
       });
     }
   }
@@ -220,25 +223,24 @@ class SceneReader {
   std::optional<size_t> least_list_bytes_;
   YamlScene shared_;
   std::set<std::string> included_;
-  bool has_root_ = false, has_outlines_ = false, has_unread_lists_ = false;
+  bool has_root_ = false, has_unread_lists_ = false;
 };
 
 }  // namespace
 
 SceneDescription read_yaml_whole(std::string_view text, const std::string& path, const LoadOptions& options) {
-  return SceneReader(options, std::nullopt).read(text, path);
+  return SceneReader(options, std::nullopt).read(text, path, std::nullopt);
 }
 
 std::optional<SceneDescription> read_yaml_outline(std::string_view text, const std::string& path,
                                                   size_t least_bytes, const LoadOptions& options) {
-  // What a file includes may have lists where it has none.
-  const bool may_include = text.find("include") != std::string_view::npos;
-  const std::optional<YamlOutline> outline = outline_of(text, least_bytes);
-  if ((!outline || outline->is_empty()) && !may_include) return std::nullopt;
   SceneReader reader(options, least_bytes);
+  std::optional<YamlOutline> outline = reader.outline(text);
+  // What a file includes may have lists where it has none.
+  if (!outline && text.find("include") == std::string_view::npos) return std::nullopt;
   try {
-    SceneDescription scene = reader.read(text, path);
-    if (reader.has_read_apart()) return scene;
+    SceneDescription scene = reader.read(text, path, std::move(outline));
+    if (!reader.has_unread_lists()) return scene;
   } catch (const InputError&) {  // the whole text is read for what is to be told of it
   }
   if (options.progress) options.progress->done = options.progress->total.load();

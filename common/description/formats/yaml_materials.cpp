@@ -243,13 +243,12 @@ MaterialDescription read_material(const std::string& name, const YamlValue& valu
   }
   const auto allow = map.find("allow_impossible");
   const bool is_allowed = allow && allow->boolean();
-  static const std::vector<std::string> kFamilies{"lambertian", "conductor",   "dielectric",
-                                                  "polished",   "translucent", "luminaire"};
-  for (size_t family = 0; family < kFamilies.size(); ++family) {
-    const auto v = map.find(kFamilies[family]);
+  for (MaterialKind family = MaterialKind::lambertian; family <= MaterialKind::luminaire;
+       family = static_cast<MaterialKind>(static_cast<uint32_t>(family) + 1)) {
+    const auto v = map.find(kMaterialKindWords[static_cast<size_t>(family)]);
     if (!v) continue;
     if (m.kind != MaterialKind::classical) v->fail("a material is of one family only");
-    m.kind = static_cast<MaterialKind>(family + 1);
+    m.kind = family;
     m.ambient = m.diffuse = m.specular = 0;
     switch (m.kind) {
       case MaterialKind::classical:

@@ -57,8 +57,8 @@ void YamlNodes::read_definitions(const YamlValue& value) {
 /// The material with zones of that size, which is one of its own: primitives know no more than that.
 uint32_t YamlNodes::zoned(uint32_t material, float zone_size) {
   if (zone_size == 0) return material;
-  const auto [found, is_new] =
-      zoned_materials_.try_emplace({material, zone_size}, static_cast<uint32_t>(scene_.materials.size()));
+  const auto [found, is_new] = document_.shared.zoned_materials.try_emplace(
+      {material, zone_size}, static_cast<uint32_t>(scene_.materials.size()));
   if (is_new) {
     MaterialDescription copy = scene_.materials[material];
     copy.zone_size = zone_size;
@@ -199,12 +199,13 @@ uint32_t YamlNodes::read_part_file(const YamlValue& value) {
         "compiled objects stand in an .rfp file: `rayfarm compile part.yaml -o part.rfp` makes one; a mesh "
         "is "
         "`mesh: {file: name.obj}`");
-  const auto found = part_files_.find(path);
-  if (found != part_files_.end()) return found->second;
+  std::map<std::string, uint32_t>& known = document_.shared.part_files;
+  const auto found = known.find(path);
+  if (found != known.end()) return found->second;
   try {
-    part_files_[path] = add_part_file(scene_, path, value.place(), value.stop());
+    known[path] = add_part_file(scene_, path, value.place(), value.stop());
     scene_.files.push_back(path);
-    return part_files_[path];
+    return known[path];
   } catch (const IoError& e) {
     file.fail(e.what());
   }
@@ -241,7 +242,7 @@ void YamlNodes::read_mesh(const YamlValue& value, const std::optional<YamlValue>
   if (!format) file.fail(fmt::format("a mesh is read from {}; export it as one", mesh_extensions()));
   // What came as an object of its own is used again.
   uint32_t& known =
-      mesh_files_
+      document_.shared.mesh_files
           .try_emplace({path, inherited.material, has_smoothing ? std::optional(smoothing) : std::nullopt,
                         crease, is_replaced, inherited.zone_size},
                        kNone)

@@ -45,11 +45,6 @@ class YamlNodes {
   YamlDocument& document_;
   SceneDescription& scene_;
   const LoadOptions& options_;
-  std::map<std::string, uint32_t> part_files_;
-  std::map<std::pair<uint32_t, float>, uint32_t> zoned_materials_;
-  /// By path, material, smoothing, crease, whether the material replaces the file's, and size of zones.
-  std::map<std::tuple<std::string, uint32_t, std::optional<Smoothing>, double, bool, float>, uint32_t>
-      mesh_files_;
 };
 
 }  // namespace rayfarm

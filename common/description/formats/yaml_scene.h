@@ -13,7 +13,8 @@ SceneDescription read_yaml_whole(std::string_view text, const std::string& path,
                                  const LoadOptions& options = {});
 
 /// The same scene, but lists of numbers of `least_bytes` and more are read apart (yaml_outline.h). Nothing if
-/// the text has none, is none to outline or is wrong: read_yaml_whole tells where and why.
+/// the text has none and includes nothing, is none to outline or is wrong: read_yaml_whole tells where and
+/// why.
 std::optional<SceneDescription> read_yaml_outline(std::string_view text, const std::string& path,
                                                   size_t least_bytes, const LoadOptions& options = {});
 

@@ -79,10 +79,8 @@ TextureDescription read_texture(const std::string& name, const YamlValue& value,
   YamlMap map(value);
   TextureDescription texture;
   texture.name = name;
-  // In the order of TextureKind.
-  static const std::vector<std::string> kKinds{"checker", "noise",   "marble", "wood", "boards",
-                                               "bricks",  "fourier", "image",  "array"};
-  texture.kind = static_cast<TextureKind>(map.require("kind").choice(kKinds));
+  texture.kind = static_cast<TextureKind>(
+      map.require("kind").choice({kTextureKindWords.begin(), kTextureKindWords.end()}));
   if (auto v = map.find("scale")) {
     texture.scale = v->is_sequence() ? v->vector() : Vec3(v->number());
     if (!(texture.scale.x > 0 && texture.scale.y > 0 && texture.scale.z > 0))

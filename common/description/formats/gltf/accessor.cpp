@@ -86,6 +86,18 @@ GltfAccessor::Elements GltfAccessor::elements(const GltfValue& owner, size_t cou
   return {view.bytes.subspan(std::min<uint64_t>(offset, view.bytes.size())), stride};
 }
 
+GltfAccessor GltfAccessor::of_vertices(const GltfFile& file, const GltfValue& owner, const char* key,
+                                       size_t vertices, std::initializer_list<size_t> components) {
+  const uint32_t index = owner.index(key, file.count("accessors"));
+  if (index == kNone) owner.at(key);
+  GltfAccessor accessor(file, index);
+  accessor.expect_components(components);
+  if (accessor.count() != vertices)
+    owner.at(key).fail(
+        fmt::format("it has {} elements, but the primitive has {} vertices", accessor.count(), vertices));
+  return accessor;
+}
+
 void GltfAccessor::expect_components(std::initializer_list<size_t> allowed) const {
   if (std::find(allowed.begin(), allowed.end(), components_) == allowed.end())
     value_.fail(fmt::format("its elements have {} component{}, which don't fit what it is used for",

@@ -10,11 +10,14 @@ class GltfAccessor {
   /// Checks that all of its elements are there; the file must outlive it. Throws InputError.
   GltfAccessor(const GltfFile& file, uint32_t index);
 
+  /// What `owner` names under `key`: one of a primitive's `vertices` each. Throws InputError if it is not
+  /// there, has other components or another number of elements.
+  static GltfAccessor of_vertices(const GltfFile& file, const GltfValue& owner, const char* key,
+                                  size_t vertices, std::initializer_list<size_t> components);
+
   const GltfValue& value() const { return value_; }
   size_t count() const { return count_; }
   size_t components() const { return components_; }
-  bool is_normalized() const { return is_normalized_; }
-  bool is_float() const { return type_ == Type::float32; }
   /// Those of the elements' bytes in the file.
   size_t size_bytes() const { return view_ ? count_ * components_ * component_bytes() : 0; }
   void expect_components(std::initializer_list<size_t> allowed) const;

@@ -12,22 +12,11 @@ constexpr double kMostFrame = 9'999'999;
 
 /// Which clip the options ask for.
 size_t clip_index(const GltfFile& file) {
-  const std::string& wanted = file.options().clip;
-  if (wanted.empty()) return 0;
-  const size_t count = file.count("animations");
+  if (file.options().clip.empty()) return 0;
   std::vector<std::string> names;
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < file.count("animations"); ++i)
     names.push_back(file.item("animations", i).text("name", ""));
-    if (names.back() == wanted) return i;
-  }
-  if (wanted.size() < 10 && wanted.find_first_not_of("0123456789") == std::string::npos)
-    if (const size_t number = std::stoul(wanted); number < count) return number;
-  std::string list;
-  for (size_t i = 0; i < count && i < 50; ++i)
-    list += fmt::format("{}{} '{}'", i == 0 ? "" : ", ", i, names[i]);
-  throw InputError({file.path()}, fmt::format("there is no clip '{}' ({}){}", wanted,
-                                              count == 0 ? "the file has none" : "it has " + list,
-                                              suggestion(wanted, names)));
+  return file.find_choice("clip", file.options().clip, names);
 }
 
 }  // namespace
@@ -41,16 +30,6 @@ Vec4 nonzero_scale(Vec4 s) {
 Vec4 unit_quaternion(const Vec4& q) {
   const double length = std::sqrt(glm::dot(q, q));
   return length > 0 ? q / length : Vec4(0, 0, 0, 1);
-}
-
-Affine eval_steps(const std::vector<TransformStep>& steps, double frame) {
-  Affine all;
-  for (const TransformStep& step : steps)
-    all = eval_transform(step.kind,
-                         eval_curve(step.curve.interpolation, step.curve.frames, step.curve.values, frame),
-                         step.axis, step.matrix) *
-          all;
-  return all;
 }
 
 GltfAnimation::GltfAnimation(const GltfFile& file, Notes& notes) : file_(file) {
@@ -103,13 +82,9 @@ std::vector<double> GltfAnimation::read_times(const GltfValue& sampler, std::vec
   return frames;
 }
 
-size_t GltfAnimation::targets_of(uint32_t node) const {
+size_t GltfAnimation::morph_targets_of(uint32_t node) const {
   const uint32_t mesh = file_.item("nodes", node).index("mesh", file_.count("meshes"));
-  if (mesh == kNone) return 0;
-  const GltfValue primitives = file_.item("meshes", mesh).at("primitives");
-  if (primitives.size() == 0) return 0;
-  const auto targets = primitives[0].find("targets");
-  return targets ? targets->size() : 0;
+  return mesh == kNone ? 0 : file_.morph_targets(mesh);
 }
 
 void GltfAnimation::read_channel(const GltfValue& clip, const GltfValue& channel, Notes& notes) {
@@ -137,7 +112,9 @@ void GltfAnimation::read_channel(const GltfValue& clip, const GltfValue& channel
   const uint32_t output = sampler.index("output", file_.count("accessors"));
   if (output == kNone) sampler.at("output");
   const GltfAccessor accessor(file_, output);
-  const size_t targets = is_weights ? targets_of(node) : 1, parts = is_weights ? 1 : is_rotation ? 4 : 3;
+  const size_t targets = is_weights ? morph_targets_of(node) : 1, parts = is_weights    ? 1
+                                                                          : is_rotation ? 4
+                                                                                        : 3;
   accessor.expect_components({parts});
   const size_t keys = GltfAccessor(file_, sampler.index("input", file_.count("accessors"))).count();
   const size_t per_key = is_cubic ? 3 : 1;

@@ -32,7 +32,7 @@ class GltfAnimation {
   void read(const GltfValue& clip, Notes& notes);
   void read_channel(const GltfValue& clip, const GltfValue& channel, Notes& notes);
   std::vector<double> read_times(const GltfValue& sampler, std::vector<size_t>& kept, Notes& notes);
-  size_t targets_of(uint32_t node) const;
+  size_t morph_targets_of(uint32_t node) const;
 
   const GltfFile& file_;
   std::unordered_map<uint32_t, GltfMotion> motions_;
@@ -44,8 +44,5 @@ class GltfAnimation {
 Vec4 nonzero_scale(Vec4 scale);
 /// Its direction; no rotation if it has none.
 Vec4 unit_quaternion(const Vec4& q);
-
-/// What all steps come to in a frame.
-Affine eval_steps(const std::vector<TransformStep>& steps, double frame);
 
 }  // namespace rayfarm

@@ -89,29 +89,16 @@ void read_projection(const GltfValue& camera, ViewDescription& view) {
 
 void set_view(const GltfFile& file, const GltfAnimation& animation,
               const std::vector<GltfPlacedCamera>& cameras, SceneDescription& scene) {
+  std::vector<std::string> names;
+  for (const GltfPlacedCamera& camera : cameras) names.push_back(camera.name);
   const std::string& wanted = file.options().camera;
-  const GltfPlacedCamera* chosen = &cameras[0];
-  if (!wanted.empty()) {
-    chosen = nullptr;
-    std::vector<std::string> names;
-    for (const GltfPlacedCamera& camera : cameras) {
-      names.push_back(camera.name);
-      if (!chosen && camera.name == wanted) chosen = &camera;
-    }
-    if (!chosen && wanted.size() < 10 && wanted.find_first_not_of("0123456789") == std::string::npos &&
-        std::stoul(wanted) < cameras.size())
-      chosen = &cameras[std::stoul(wanted)];
-    std::string list;
-    for (size_t i = 0; i < names.size() && i < 50; ++i)
-      list += fmt::format("{}{} '{}'", i == 0 ? "" : ", ", i, names[i]);
-    if (!chosen)
-      throw InputError({file.path()}, fmt::format("there is no camera '{}' (it has {}){}", wanted, list,
-                                                  suggestion(wanted, names)));
-  } else if (cameras.size() > 1) {
+  if (wanted.empty() && cameras.empty()) return;
+  const size_t choice = wanted.empty() ? 0 : file.find_choice("camera", wanted, names);
+  const GltfPlacedCamera* const chosen = &cameras[choice];
+  if (wanted.empty() && cameras.size() > 1)
     scene.notes.add({file.path()},
                     fmt::format("the view is the first of {} cameras, '{}'; --camera chooses another",
                                 cameras.size(), chosen->name));
-  }
   place_view(CameraPath(animation, chosen->nodes), animation.frames(), scene.view);
   read_projection(file.item("cameras", chosen->camera), scene.view);
   scene.has_view = true;

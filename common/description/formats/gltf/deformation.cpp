@@ -8,18 +8,6 @@ namespace {
 /// JOINTS_0 to JOINTS_7: glTF's files have up to two.
 constexpr size_t kMostSets = 8;
 
-GltfAccessor vertex_accessor(const GltfFile& file, const GltfValue& owner, const char* key, size_t count,
-                             size_t components) {
-  const uint32_t index = owner.index(key, file.count("accessors"));
-  if (index == kNone) owner.at(key);
-  GltfAccessor accessor(file, index);
-  accessor.expect_components({components});
-  if (accessor.count() != count)
-    owner.at(key).fail(
-        fmt::format("it has {} elements, but the primitive has {} vertices", accessor.count(), count));
-  return accessor;
-}
-
 void read_skin(const GltfFile& file, const GltfValue& primitive, size_t count, const GltfUsedVertices& used,
                const GltfDeformer& deformer, GltfDeformationNotes& notes, DeformationDescription& d) {
   const GltfValue attributes = primitive.at("attributes");
@@ -40,9 +28,9 @@ void read_skin(const GltfFile& file, const GltfValue& primitive, size_t count, c
                       weights_key = fmt::format("WEIGHTS_{}", set);
     LargeVector<uint32_t> joints(4 * used.count);
     LargeVector<float> weights(4 * used.count);
-    vertex_accessor(file, attributes, joints_key.c_str(), count, 4)
+    GltfAccessor::of_vertices(file, attributes, joints_key.c_str(), count, {4})
         .read(std::span<uint32_t>(joints), used.vertices);
-    vertex_accessor(file, attributes, weights_key.c_str(), count, 4)
+    GltfAccessor::of_vertices(file, attributes, weights_key.c_str(), count, {4})
         .read(std::span<float>(weights), used.vertices);
     for (size_t i = 0; i < used.count; ++i)
       for (size_t k = 0; k < 4; ++k) {
@@ -112,7 +100,7 @@ void read_targets(const GltfFile& file, const GltfValue& primitive, size_t count
     for (const std::string& key : target.keys()) {
       if (key == "POSITION" || (key == "NORMAL" && has_normals))
         (key == "POSITION" ? positions : normals) =
-            read_changes(file, vertex_accessor(file, target, key.c_str(), count, 3), used);
+            read_changes(file, GltfAccessor::of_vertices(file, target, key.c_str(), count, {3}), used);
       else if (key != "NORMAL" && key != "TANGENT")
         ++notes.other_targets;
     }

@@ -228,6 +228,26 @@ GltfFile::View GltfFile::decoded(const GltfValue& view, const GltfValue& compres
   return {bytes_of(result), view.whole_number("byteStride", 0)};
 }
 
+size_t GltfFile::morph_targets(uint32_t mesh) const {
+  const GltfValue primitives = item("meshes", mesh).at("primitives");
+  const auto targets = primitives.size() > 0 ? primitives[0].find("targets") : std::nullopt;
+  return targets ? targets->size() : 0;
+}
+
+size_t GltfFile::find_choice(const char* kind, const std::string& wanted,
+                             const std::vector<std::string>& names) const {
+  if (const auto named = std::find(names.begin(), names.end(), wanted); named != names.end())
+    return static_cast<size_t>(named - names.begin());
+  if (wanted.size() < 10 && wanted.find_first_not_of("0123456789") == std::string::npos)
+    if (const size_t number = std::stoul(wanted); number < names.size()) return number;
+  std::string list;
+  for (size_t i = 0; i < names.size() && i < 50; ++i)
+    list += fmt::format("{}{} '{}'", i == 0 ? "" : ", ", i, names[i]);
+  throw InputError({path_}, fmt::format("there is no {} '{}' ({}){}", kind, wanted,
+                                        names.empty() ? "the file has none" : "it has " + list,
+                                        suggestion(wanted, names)));
+}
+
 void GltfFile::take_elements(const GltfValue& owner, uint64_t count) const {
   elements_ += count;
   if (elements_ > buffer_bytes_ / kLeastElementBytes + kRepeatedElements)

@@ -20,6 +20,11 @@ class GltfFile {
   /// How many there are of a list at the top ("nodes"), and one of them.
   size_t count(const char* list) const;
   GltfValue item(const char* list, size_t i) const;
+  /// How many morph targets a mesh has.
+  size_t morph_targets(uint32_t mesh) const;
+  /// Which of several things with these names is wanted, by its name or number. Throws InputError if none is.
+  size_t find_choice(const char* kind, const std::string& wanted,
+                     const std::vector<std::string>& names) const;
   /// A name for people: its own, or its place.
   std::string name_of(const GltfValue& value) const;
 

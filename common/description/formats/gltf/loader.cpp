@@ -75,10 +75,7 @@ SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& opt
   nodes.add_notes();
   scene.objects[0].children.push_back({root, {}, {}});
   scene.frames = animation.frames();
-  if (!nodes.cameras().empty())
-    set_view(file, animation, nodes.cameras(), scene);
-  else if (!options.camera.empty())
-    throw InputError({path}, fmt::format("there is no camera '{}' (the file has none)", options.camera));
+  set_view(file, animation, nodes.cameras(), scene);
   if (const Box bounds = bounds_of(scene); !bounds.is_empty()) add_quick_look(scene, make_quick_look(bounds));
   if (scene.render.empty())  // it has lights of its own
     scene.render = {{"lighting", QuickLook::kLighting, {}},

@@ -25,12 +25,6 @@ uint32_t GltfUsedVertices::place_of(uint32_t vertex) const {
                                                      : static_cast<uint32_t>(found - vertices.begin());
 }
 
-size_t GltfMeshes::targets_of(uint32_t mesh) const {
-  const GltfValue all = file_.item("meshes", mesh).at("primitives");
-  const auto targets = all.size() > 0 ? all[0].find("targets") : std::nullopt;
-  return targets ? targets->size() : 0;
-}
-
 std::vector<PrimitiveDescription> GltfMeshes::primitives(uint32_t mesh, const GltfDeformer* deformer) {
   const GltfValue value = file_.item("meshes", mesh), all = value.at("primitives");
   std::vector<PrimitiveDescription> result;
@@ -45,14 +39,8 @@ std::optional<GltfAccessor> GltfMeshes::attribute(const GltfValue& primitive, co
                                                   size_t count,
                                                   std::initializer_list<size_t> components) const {
   const GltfValue attributes = primitive.at("attributes");
-  const uint32_t index = attributes.index(name.c_str(), file_.count("accessors"));
-  if (index == kNone) return std::nullopt;
-  GltfAccessor accessor(file_, index);
-  accessor.expect_components(components);
-  if (accessor.count() != count)
-    attributes.at(name.c_str())
-        .fail(fmt::format("it has {} elements, but the primitive has {} vertices", accessor.count(), count));
-  return accessor;
+  if (!attributes.has(name.c_str())) return std::nullopt;
+  return GltfAccessor::of_vertices(file_, attributes, name.c_str(), count, components);
 }
 
 LargeVector<uint32_t> GltfMeshes::read_corners(const GltfValue& value, const GltfAccessor& positions) {

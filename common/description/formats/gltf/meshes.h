@@ -11,8 +11,6 @@ class GltfMeshes {
   GltfMeshes(const GltfFile& file, SceneDescription& scene, GltfMaterials& materials, const Place& place)
       : file_(file), scene_(scene), materials_(materials), place_(place) {}
 
-  /// How many morph targets a mesh has.
-  size_t targets_of(uint32_t mesh) const;
   /// What a mesh has of triangles. `deformer` may be null: it keeps its shape. Throws InputError.
   std::vector<PrimitiveDescription> primitives(uint32_t mesh, const GltfDeformer* deformer);
   /// Says what was left out.

@@ -169,7 +169,7 @@ std::optional<std::vector<DeformationDescription::Joint>> GltfNodes::joints_of(u
 void GltfNodes::add_mesh(uint32_t node, uint32_t mesh) {
   const GltfValue value = file_.item("nodes", node);
   const uint32_t skin = value.index("skin", file_.count("skins"));
-  const size_t targets = meshes_.targets_of(mesh);
+  const size_t targets = file_.morph_targets(mesh);
   if (skin == kNone && targets == 0) {
     // Nodes that use the same mesh share one object.
     const auto [known, is_new] = mesh_objects_.try_emplace(mesh, kNone);

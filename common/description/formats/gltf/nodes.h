@@ -21,7 +21,6 @@ class GltfNodes {
   /// Adds all that the file's scene shows; returns the object that it is. Throws InputError.
   uint32_t add_all();
   const std::vector<GltfPlacedCamera>& cameras() const { return cameras_; }
-  size_t light_count() const { return light_count_; }
   void add_notes();
 
  private:
