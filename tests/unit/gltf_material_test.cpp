@@ -94,6 +94,25 @@ void write_two_pixels(const std::string& name, std::array<uint8_t, 6> rgb) {
   write_image(test::write_temporary(name, ""), image, {});
 }
 
+TEST(GltfMaterial, TexturesWithoutCoordinatesAreNamed) {
+  write_two_pixels("two.png", {128, 64, 32, 255, 0, 255});
+  const auto notes_with = [](int set, bool has_first) {
+    test::TinyGltf file;
+    const size_t p = file.square(), t = file.floats("VEC2", {0, 0, 1, 0, 1, 1, 0, 1}, 2);
+    const std::string first = has_first ? fmt::format(R"(, "TEXCOORD_0": {})", t) : "";
+    return test::notes_of(compile(file.load(
+        test::shows(
+            fmt::format(R"("attributes": {{"POSITION": {}{}}}, "mode": 6, "material": 0)", p, first)) +
+        fmt::format(R"(, "images": [{{"uri": "two.png"}}], "textures": [{{"source": 0}}], "materials": [{{
+          "pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0, "texCoord": {}}}}}}}])",
+                    set))));
+  };
+  EXPECT_EQ(notes_with(0, true).find("primitive"), std::string::npos);
+  EXPECT_NE(notes_with(0, false).find("1 primitive with textures but without TEXCOORD_0"), std::string::npos);
+  EXPECT_NE(notes_with(1, true).find("1 primitive with textures for TEXCOORD_1 but without that"),
+            std::string::npos);
+}
+
 TEST(GltfMaterial, TexturesAreDecodedAndTransformed) {
   write_two_pixels("two.png", {128, 64, 32, 255, 0, 255});
   const OneMaterial m(

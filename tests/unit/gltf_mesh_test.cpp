@@ -208,6 +208,13 @@ TEST(GltfMesh, HasNormalsColoursAndCoordinates) {
   const SceneDescription plain = white.load(
       shows(fmt::format(R"("attributes": {{"POSITION": {}, "COLOR_0": {}}}, "mode": 6)", q, ones)));
   EXPECT_TRUE(meshes_of(plain)[0]->colors.empty());
+  TinyGltf wild;
+  const size_t r = wild.square(), wild_colors = wild.vectors({NAN, 0, 0, 1, 5, 1, 1, 1, -1, 1, 1, 1});
+  EXPECT_NE(
+      test::notes_of(compile(wild.load(shows(fmt::format(
+                         R"("attributes": {{"POSITION": {}, "COLOR_0": {}}}, "mode": 6)", r, wild_colors)))))
+          .find("3 colours of vertices that are not from 0 to 1"),
+      std::string::npos);
 }
 
 }  // namespace

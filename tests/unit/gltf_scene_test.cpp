@@ -137,6 +137,27 @@ TEST(GltfScene, LightsKeepTheirNumbers) {
   EXPECT_NE(notes_of(compiled).find("`range` of 1"), std::string::npos);
 }
 
+TEST(GltfScene, LightsThatCanNotShineAreNamed) {
+  const auto with = [](TinyGltf& file, const char* light) {
+    return square_and(file, fmt::format(R"(
+      "extensionsUsed": ["KHR_lights_punctual"], "extensions": {{"KHR_lights_punctual": {{"lights": [{}]}}}},
+      "nodes": [{{"mesh": 0}}, {{"extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}}])",
+                                        light));
+  };
+  TinyGltf dark, wide, negative;
+  EXPECT_NE(notes_of(compile(dark.load(with(dark, R"({"type": "point", "intensity": 0})"))))
+                .find("1 lights without any light"),
+            std::string::npos);
+  EXPECT_NE(
+      notes_of(compile(wide.load(with(
+                   wide, R"({"type": "spot", "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.2}})"))))
+          .find("the inner cone is wider"),
+      std::string::npos);
+  EXPECT_NE(
+      negative.error(with(negative, R"({"type": "point", "color": [-1, 0, 0]})")).find("can't be negative"),
+      std::string::npos);
+}
+
 TEST(GltfClip, NodesMoveByCurves) {
   TinyGltf file;
   const size_t times = file.scalars({0, 1, 3}), where = file.vectors({0, 0, 0, 2, 0, 0, 6, 0, 0}),

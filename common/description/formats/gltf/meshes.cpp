@@ -122,6 +122,7 @@ void GltfMeshes::read_colors(const GltfAccessor& accessor, const GltfUsedVertice
   bool is_white = true;
   for (size_t i = 0; i < used.count; ++i) {
     const float* const v = &values[parts * i];
+    bad_colors_ += std::any_of(v, v + parts, [](float x) { return !(x >= 0 && x <= 1); }) ? 1 : 0;
     mesh.colors[i] = make_vertex_color(Color(glm::vec3(v[0], v[1], v[2])), parts == 4 ? double{v[3]} : 1);
     is_white = is_white && mesh.colors[i] == kWhiteVertex;
   }
@@ -202,6 +203,12 @@ std::optional<PrimitiveDescription> GltfMeshes::read(const GltfValue& value, con
   const auto& sources = scene_.principled[scene_.materials[material].principled].sources;
   if (std::any_of(sources.begin(), sources.end(), [](const PrincipledSource& s) { return s.uv_set == 1; }))
     if (const auto uvs = attribute(value, "TEXCOORD_1", count, {2})) read_uvs(*uvs, used, mesh.second_uvs);
+  const auto needs = [&](uint32_t set) {
+    return std::any_of(sources.begin(), sources.end(),
+                       [set](const PrincipledSource& s) { return s.texture != kNone && s.uv_set == set; });
+  };
+  without_uvs_ += mesh.uvs.empty() && needs(0) ? 1 : 0;
+  without_second_uvs_ += mesh.second_uvs.empty() && needs(1) ? 1 : 0;
   note_attributes(value);
   if (deformer)
     mesh.deformation =
@@ -219,6 +226,12 @@ void GltfMeshes::add_notes() const {
   add(cut_off_, "primitive", "primitives", "whose corners are no multiple of three: the rest is left out");
   add(empty_, "primitive", "primitives", "without a single triangle or without POSITION, left out");
   add(bad_normals_, "normal", "normals", "without a direction, replaced by those of the faces around");
+  add(bad_colors_, "colour", "colours",
+      "of vertices that are not from 0 to 1, taken for the nearest that are");
+  add(without_uvs_, "primitive", "primitives",
+      "with textures but without TEXCOORD_0: every triangle shows a triangle of its textures");
+  add(without_second_uvs_, "primitive", "primitives",
+      "with textures for TEXCOORD_1 but without that: they are laid out by TEXCOORD_0");
   add(bad_uvs_, "texture coordinate", "texture coordinates", "that are no numbers, taken for 0");
   std::string names;
   for (const std::string& name : unused_) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);

@@ -45,6 +45,7 @@ class GltfMeshes {
   GltfMaterials& materials_;
   Place place_;
   size_t points_ = 0, lines_ = 0, cut_off_ = 0, bad_normals_ = 0, bad_uvs_ = 0, empty_ = 0;
+  size_t bad_colors_ = 0, without_uvs_ = 0, without_second_uvs_ = 0;
   std::set<std::string> unused_;
   GltfDeformationNotes notes_of_deformation_;
 };

@@ -260,7 +260,10 @@ void GltfNodes::add_light(uint32_t node, const GltfValue& use) {
   light.place = place_;
   light.light.direction = {0, 0, -1};
   Color color(1);
-  if (const auto v = value.find("color")) color = glm::max(v->vector3(), Color(0));
+  if (const auto v = value.find("color")) {
+    color = v->vector3();
+    if (color.x < 0 || color.y < 0 || color.z < 0) v->fail("a light's colour can't be negative");
+  }
   light.light.color = color * value.number_in("intensity", 1, 0, 1e12);
   const std::string type = value.at("type").text();
   if (type == "directional") {
@@ -273,7 +276,9 @@ void GltfNodes::add_light(uint32_t node, const GltfValue& use) {
     double inner = 0, outer = pi / 4;
     if (const auto spot = value.find("spot")) {
       outer = spot->number_in("outerConeAngle", pi / 4, 1e-6, pi / 2 + 1e-6);
-      inner = std::min(spot->number_in("innerConeAngle", 0, 0, pi / 2), 0.999 * outer);
+      inner = spot->number_in("innerConeAngle", 0, 0, pi / 2);
+      wide_cones_ += inner > outer ? 1 : 0;
+      inner = std::min(inner, 0.999 * outer);
     }
     light.light.cosine_full = portable_cos(inner);
     light.light.cosine_none = portable_cos(std::min(outer, pi / 2));
@@ -281,7 +286,10 @@ void GltfNodes::add_light(uint32_t node, const GltfValue& use) {
     value.at("type").fail("directional, point or spot was expected");
   }
   if (value.has("range")) ++ranges_;
-  if (light.light.color == Color(0)) return;
+  if (light.light.color == Color(0)) {
+    ++dark_lights_;
+    return;
+  }
   if (++light_count_ > limits::kLights) value.fail("the file has too many lights");
   scene_.objects[object_of(node)].lights.push_back(std::move(light));
 }
@@ -317,6 +325,10 @@ void GltfNodes::add_notes() {
         fmt::format("`range` of {} lights is not used: their light goes on, and falls with the "
                     "square of the distance",
                     ranges_));
+  if (dark_lights_ > 0) add(fmt::format("{} lights without any light are left out", dark_lights_));
+  if (wide_cones_ > 0)
+    add(fmt::format("of {} spots the inner cone is wider than the outer, and taken for as wide",
+                    wide_cones_));
   if (hidden_skins_ > 0)
     add(fmt::format("{} meshes whose skins have joints that the scene doesn't show are left out",
                     hidden_skins_));

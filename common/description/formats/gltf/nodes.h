@@ -52,7 +52,7 @@ class GltfNodes {
   std::map<uint32_t, uint32_t> mesh_objects_;  ///< of meshes that nodes share
   std::vector<GltfPlacedCamera> cameras_;
   uint32_t root_ = 0;
-  size_t light_count_ = 0, ranges_ = 0, hidden_skins_ = 0;
+  size_t light_count_ = 0, ranges_ = 0, dark_lights_ = 0, wide_cones_ = 0, hidden_skins_ = 0;
 };
 
 }  // namespace rayfarm
