@@ -183,6 +183,15 @@ class VirtualCluster(JobTestAlone):
         self.assertEqual(spaces(), [])
         return json.loads(stats.read_text()), json.loads(links.read_text())
 
+    def assert_takes(self, measure, least, most, tries=4):
+        """What else the machine does can only add to a time: one try must be below most, and none below least."""
+        for _ in range(tries):
+            took = measure()
+            self.assertGreater(took, least)
+            if took < most:
+                return
+        self.assertLess(took, most)
+
     def test_a_cluster_renders_the_same_picture(self):
         reference = self.render(1, SCENE, "--size", "96x72", "--pixel-format", "rgb8")["image"]["sha256_pixels"]
         told, links = self.on_cluster(SCENE, "--size", "96x72", nodes=3)
@@ -193,11 +202,13 @@ class VirtualCluster(JobTestAlone):
 
     def test_a_full_bus_takes_the_time_of_its_bytes(self):
         # 9 bytes a pixel, all on one medium of 2 Mbit/s; frames and acknowledgements add up to a quarter.
-        told, _ = self.on_cluster(SCENE, "--size", "160x120", "--wire", "pixel", "--assign", "interleaved", nodes=4,
-                                  flags=["--rate", "2mbit"])
         alone = 160 * 120 * 9 * 8 / 2e6
-        self.assertGreater(told["time_s"]["trace"], 0.95 * alone)
-        self.assertLess(told["time_s"]["trace"], 1.3 * alone)
+
+        def trace():
+            told, _ = self.on_cluster(SCENE, "--size", "160x120", "--wire", "pixel", "--assign", "interleaved", nodes=4,
+                                      flags=["--rate", "2mbit"])
+            return told["time_s"]["trace"] / alone
+        self.assert_takes(trace, 0.95, 1.3)
 
     def test_every_copy_of_the_scene_takes_its_time(self):
         scene = self.folder / "load.nff"
@@ -205,9 +216,10 @@ class VirtualCluster(JobTestAlone):
         scene.write_text("v\nfrom 0 0 9\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 16 16\nb 0 0 0\nl 5 5 5\n"
                          "f 0.5 0.5 0.5 1 0 0 0 1\n" + spheres)
         for nodes in (1, 2):
-            told, _ = self.on_cluster(scene, nodes=nodes, flags=["--rate", "8mbit"])
-            expected = nodes * told["traffic"]["load_data"]["bytes"] * 8 / 8e6
-            self.assertAlmostEqual(told["time_s"]["broadcast"] / expected, 1, delta=0.15)
+            def broadcast():
+                told, _ = self.on_cluster(scene, nodes=nodes, flags=["--rate", "8mbit"])
+                return told["time_s"]["broadcast"] / (nodes * told["traffic"]["load_data"]["bytes"] * 8 / 8e6)
+            self.assert_takes(broadcast, 0.85, 1.15)
 
     def test_nothing_stays_behind(self):
         process = subprocess.Popen([CLUSTER, "--nodes", "2", "--", RAYFARM, "render", SCENE, "-o", self.folder / "a.####.png",
