@@ -1,12 +1,15 @@
 #include "host/farm/assignment.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace rayfarm {
 
 Assignment::Assignment(const AssignmentOptions& options, double now)
-    : options_(options), nodes_(static_cast<size_t>(options.nodes)) {
+    : options_(options),
+      nodes_(static_cast<size_t>(options.nodes)),
+      with_room_(static_cast<size_t>(options.held_per_node), NodeSet(options.nodes)),
+      idle_(options.nodes),
+      alive_(options.nodes) {
   for (NodeState& node : nodes_) node.heard = now;
   begin(options, now);
 }
@@ -22,9 +25,13 @@ void Assignment::begin(const PhaseWork& work, double now) {
     state.freed = now;
     state.assigned.clear();
     state.own.clear();
+    state.helped.clear();
     state.own_left = 0;
+    state.is_watched = false;
     update_room(node);
   }
+  watched_ = {};
+  slow_.clear();
   open_steps(now);
   hand_out(now);
 }
@@ -50,11 +57,6 @@ bool Assignment::Item::drop_holder(NodeId node) {
   return true;
 }
 
-int Assignment::nodes_alive() const {
-  return static_cast<int>(
-      std::count_if(nodes_.begin(), nodes_.end(), [](const NodeState& n) { return !n.is_lost; }));
-}
-
 bool Assignment::is_own(NodeId node, ItemIndex item) const {
   return options_.owner_of && options_.owner_of(item) == node;
 }
@@ -74,7 +76,8 @@ void Assignment::open_steps(double now) {
         item.state = State::held;
         item.add_holder(owner);
         node_state(owner).own.push_back(index);
-        ++node_state(owner).own_left;
+        if (++node_state(owner).own_left == 1) update_room(owner);
+        watch(owner);
       } else {
         item.state = State::waiting;
         waiting_.push_back(index);
@@ -95,17 +98,6 @@ std::optional<ItemIndex> Assignment::next_waiting() {
   return std::nullopt;
 }
 
-/// A node works through what it holds: it has had the first of it in hand since it last returned something.
-std::vector<NodeId> Assignment::nodes_that_are_slow(double now) const {
-  std::vector<NodeId> slow;
-  for (NodeId node(1); node.value() <= options_.nodes; ++node) {
-    const NodeState& state = nodes_[node.place() - 1];
-    const bool has_work = !state.assigned.empty() || state.own_left > 0;
-    if (!state.is_lost && has_work && now - state.freed >= options_.duplicate_after_s) slow.push_back(node);
-  }
-  return slow;
-}
-
 bool Assignment::is_done(ItemIndex item) {
   return at(step_of(item)).is_over || at(item).state == State::done;
 }
@@ -114,25 +106,66 @@ bool Assignment::is_held_alone(ItemIndex item, NodeId by) {
   return !is_done(item) && at(item).holder_count() == 1 && at(item).is_held_by(by);
 }
 
-std::optional<ItemIndex> Assignment::oldest_held_by(std::span<const NodeId> others, NodeId node, double now) {
-  std::optional<ItemIndex> best;
+/// A node works through what it holds: it has had the first of it in hand since it last returned something,
+/// or since it was given that. Never, if it holds nothing that nobody helps with.
+double Assignment::slow_from(NodeId node) {
+  NodeState& state = node_state(node);
+  if (state.is_lost) return kNever;
+  double since = kNever;
+  for (const ItemIndex item : state.assigned)
+    if (is_held_alone(item, node)) since = std::min(since, at(item).since);
+  while (!state.own.empty() && is_done(state.own.front())) state.own.pop_front();
+  if (!state.own.empty()) since = std::min(since, at(state.own.front()).since);
+  return std::max(since, state.freed) + options_.duplicate_after_s;
+}
+
+void Assignment::watch(NodeId node) {
+  NodeState& state = node_state(node);
+  if (state.is_watched) return;
+  const double from = slow_from(node);
+  if (from == kNever) return;
+  state.is_watched = true;
+  watched_.emplace(from, node);
+}
+
+std::optional<Assignment::Help> Assignment::help_for(NodeId node, double now) {
+  if (slow_from(node) > now) return std::nullopt;
+  const NodeState& state = node_state(node);
+  std::optional<Help> best;
   const auto consider = [&](ItemIndex item) {
-    // Earlier steps first: they hold the window.
-    const auto key = [this](ItemIndex i) { return std::tuple(step_of(i), at(i).since, i); };
-    if (!best || key(item) < key(*best)) best = item;
+    if (now - at(item).since < options_.duplicate_after_s) return;
+    const Help help{step_of(item), at(item).since, item, node};
+    if (!best || help < *best) best = help;
   };
-  for (const NodeId other : others) {
-    if (other == node) continue;
-    NodeState& state = node_state(other);
-    const auto is_old = [&](ItemIndex i) { return now - at(i).since >= options_.duplicate_after_s; };
-    for (const ItemIndex item : state.assigned)
-      if (is_held_alone(item, other) && is_old(item)) consider(item);
-    while (!state.own.empty() && is_done(state.own.front())) state.own.pop_front();
-    const auto first = std::find_if(state.own.begin(), state.own.end(),
-                                    [&](ItemIndex item) { return is_held_alone(item, other); });
-    if (first != state.own.end() && is_old(*first)) consider(*first);
-  }
+  for (const ItemIndex item : state.assigned)
+    if (is_held_alone(item, node)) consider(item);
+  if (!state.own.empty()) consider(state.own.front());
   return best;
+}
+
+std::optional<ItemIndex> Assignment::next_to_help(double now) {
+  const auto judge = [&](NodeId node) {
+    node_state(node).is_watched = false;
+    if (const std::optional<Help> help = help_for(node, now)) {
+      node_state(node).is_watched = true;
+      slow_.insert(*help);
+    } else {
+      watch(node);
+    }
+  };
+  while (!watched_.empty() && watched_.top().first <= now) {
+    const NodeId node = watched_.top().second;
+    watched_.pop();
+    judge(node);
+  }
+  while (!slow_.empty()) {
+    const Help first = *slow_.begin();
+    const NodeId node = std::get<NodeId>(first);
+    if (help_for(node, now) == first) return std::get<ItemIndex>(first);
+    slow_.erase(slow_.begin());
+    judge(node);
+  }
+  return std::nullopt;
 }
 
 void Assignment::give(NodeId node, ItemIndex index, double now) {
@@ -142,44 +175,54 @@ void Assignment::give(NodeId node, ItemIndex index, double now) {
   item.add_holder(node);
   node_state(node).assigned.push_back(index);
   update_room(node);
+  watch(node);
   actions_.emplace_back(AssignItem{node, index});
 }
 
 void Assignment::update_room(NodeId node) {
-  for (int n = 0; n < options_.held_per_node; ++n) with_room_.erase({static_cast<size_t>(n), node});
   const NodeState& state = node_state(node);
-  if (!state.is_lost && static_cast<int>(state.assigned.size()) < options_.held_per_node)
-    with_room_.insert({state.assigned.size(), node});
+  for (size_t n = 0; n < with_room_.size(); ++n) {
+    if (!state.is_lost && state.assigned.size() == n)
+      with_room_[n].insert(node);
+    else
+      with_room_[n].erase(node);
+  }
+  if (!state.is_lost && !state.has_work())
+    idle_.insert(node);
+  else
+    idle_.erase(node);
 }
 
 void Assignment::hand_out(double now) {
   // Round by round, so that every node has one before any has two.
-  for (auto place = with_room_.begin(); place != with_room_.end();) {
-    const auto [count, node] = *place;
-    auto item = next_waiting();
-    if (item && at(*item).failed_at == node && nodes_alive() > 1) {
-      // What failed at a node goes to another, if there is one: this node takes the next.
-      const ItemIndex failed = *item;
-      item = next_waiting();
-      waiting_.push_front(failed);
-      if (!item) {
-        ++place;
-        continue;
+  for (const NodeSet& round : with_room_) {
+    for (auto node = round.first_from(); node; node = round.first_from(NodeId(node->value() + 1))) {
+      auto item = next_waiting();
+      if (item && at(*item).failed_at == *node && alive_ > 1) {
+        // What failed at a node goes to another, if there is one: this node takes the next.
+        const ItemIndex failed = *item;
+        item = next_waiting();
+        waiting_.push_front(failed);
+        if (!item) continue;
       }
+      if (!item) return;
+      give(*node, *item, now);
     }
-    if (!item) return;
-    give(node, *item, now);
-    place = with_room_.upper_bound({count, node});
   }
 }
 
-void Assignment::help(NodeId node, std::span<const NodeId> slow, double now) {
-  if (!node_state(node).is_idle()) return;
-  if (const auto item = oldest_held_by(slow, node, now)) give(node, *item, now);
-}
-
 void Assignment::help_if_idle(NodeId node, double now) {
-  if (node_state(node).is_idle()) help(node, nodes_that_are_slow(now), now);
+  const NodeState& state = node_state(node);
+  if (state.is_lost || state.has_work()) return;
+  const auto item = next_to_help(now);
+  if (!item) return;
+  NodeState& slow =
+      node_state(at(*item).holders[0] != NodeId() ? at(*item).holders[0] : at(*item).holders[1]);
+  if (!slow.own.empty() && slow.own.front() == *item) {
+    slow.own.pop_front();
+    slow.helped.push_back(*item);
+  }
+  give(node, *item, now);
 }
 
 void Assignment::hear(NodeId node, double now) {
@@ -188,6 +231,7 @@ void Assignment::hear(NodeId node, double now) {
   state.heard = now;
   if (!state.is_lost) return;
   state.is_lost = false;
+  ++alive_;
   state.freed = now;
   update_room(node);
   actions_.emplace_back(NodeReturned{node});
@@ -198,11 +242,27 @@ void Assignment::hear(NodeId node, double now) {
 void Assignment::finish_item(ItemIndex index) {
   Item& item = at(index);
   for (const NodeId holder : item.holders) {
-    if (holder != NodeId() && is_own(holder, index) && !node_state(holder).is_lost)
-      --node_state(holder).own_left;
+    if (holder == NodeId() || !is_own(holder, index) || node_state(holder).is_lost) continue;
+    std::erase(node_state(holder).helped, index);
+    if (--node_state(holder).own_left == 0) update_room(holder);
   }
   item.holders = {};
   item.state = State::done;
+}
+
+/// A node does not do an item any more; who else does does it alone, or another is to do it.
+void Assignment::leave(ItemIndex index, NodeId node) {
+  Item& item = at(index);
+  if (!item.drop_holder(node)) return;
+  if (item.holder_count() == 0) {
+    item.state = State::waiting;
+    return;
+  }
+  const NodeId other = item.holders[0] != NodeId() ? item.holders[0] : item.holders[1];
+  NodeState& state = node_state(other);
+  if (std::erase(state.helped, index) > 0)
+    state.own.insert(std::lower_bound(state.own.begin(), state.own.end(), index), index);
+  watch(other);
 }
 
 bool Assignment::is_credible(NodeId node, ItemIndex item) {
@@ -248,12 +308,15 @@ void Assignment::fail(NodeId node, ItemIndex index, const std::string& problem, 
       for (ItemIndex i = first_of(failed); i < first_of(StepIndex(failed.value() + 1)); ++i) finish_item(i);
       actions_.emplace_back(StepFailed{failed, problem});
     } else {
-      if (item.drop_holder(node) && is_own(node, index)) --node_state(node).own_left;
-      item.failed_at = node;
-      if (item.holder_count() == 0) {
-        item.state = State::waiting;
-        waiting_.push_front(index);
+      if (NodeState& state = node_state(node); item.is_held_by(node) && is_own(node, index)) {
+        --state.own_left;
+        std::erase(state.own, index);
+        std::erase(state.helped, index);
+        update_room(node);
       }
+      item.failed_at = node;
+      leave(index, node);
+      if (item.state == State::waiting) waiting_.push_front(index);
     }
   }
   hand_out(now);
@@ -264,25 +327,23 @@ void Assignment::mark_lost(NodeId node, double now) {
   NodeState& state = node_state(node);
   if (state.is_lost) return;
   state.is_lost = true;
-  actions_.emplace_back(NodeLost{node, !state.assigned.empty() || state.own_left > 0, state.is_expelled});
+  --alive_;
+  actions_.emplace_back(NodeLost{node, state.has_work(), state.is_expelled});
+  std::vector<ItemIndex> held(std::move(state.assigned));
+  held.insert(held.end(), state.own.begin(), state.own.end());
+  held.insert(held.end(), state.helped.begin(), state.helped.end());
+  std::sort(held.begin(), held.end());
   state.own_left = 0;
   state.own.clear();
+  state.helped.clear();
   state.assigned.clear();
   update_room(node);
-  std::deque<ItemIndex> orphans;
-  for (StepIndex s; s < opened_; ++s) {
-    if (at(s).is_over) continue;
-    ItemIndex index = first_of(s);
-    for (Item& item : at(s).items) {
-      const bool was_its = item.state == State::held && item.drop_holder(node);
-      if (was_its && item.holder_count() == 0) {  // else another has it too
-        item.state = State::waiting;
-        orphans.push_back(index);
-      }
-      ++index;
-    }
-  }
-  waiting_.insert(waiting_.begin(), orphans.begin(), orphans.end());
+  std::erase_if(held, [&](ItemIndex item) {
+    if (is_done(item)) return true;
+    leave(item, node);
+    return at(item).state != State::waiting;  // another has it too
+  });
+  waiting_.insert(waiting_.begin(), held.begin(), held.end());
   if (nodes_alive() == 0) all_lost_since_ = now;
   hand_out(now);
 }
@@ -317,9 +378,11 @@ void Assignment::tick(double now) {
     if (now - node_state(node).heard > options_.lost_after_s) mark_lost(node, now);
   give_up_without_nodes(now);
   hand_out(now);
-  const std::vector<NodeId> slow = nodes_that_are_slow(now);
-  if (slow.empty()) return;
-  for (NodeId node(1); node.value() <= options_.nodes; ++node) help(node, slow, now);
+  // Until nothing is left to help with, or nobody to help.
+  for (auto node = idle_.first_from(); node; node = idle_.first_from(NodeId(node->value() + 1))) {
+    help_if_idle(*node, now);
+    if (!node_state(*node).has_work()) return;
+  }
 }
 
 }  // namespace rayfarm

@@ -2,7 +2,8 @@
 // Who does what of a job's phases, one after the other: a pure state machine. Events and the time go in,
 // actions come out; it sends nothing and reads no clock, so that every fault can be played through in a test.
 // Time is that of a ListeningClock, in which pauses of the host do not count. It knows no more of the work
-// than how many items each step has. One machine, two policies:
+// than how many items each step has. What a result costs does not depend on how many nodes there are, or how
+// many of them wait, but for the logarithm of the number of those that are slow. One machine, two policies:
 //  - on demand: the host hands out items, two at each node, and gives what a slow or lost node holds to
 //  others;
 //  - interleaved (thesis 4.4.4.2): each node knows its own items; only what a lost node leaves behind is
@@ -11,14 +12,17 @@
 #include <array>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <optional>
+#include <queue>
 #include <set>
-#include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "host/farm/node_set.h"
 #include "protocol/index.h"
 #include "protocol/time_limits.h"
 
@@ -98,7 +102,7 @@ class Assignment {
   std::vector<Action> take_actions() { return std::exchange(actions_, {}); }
 
   bool is_over() const { return released_ == options_.steps; }
-  int nodes_alive() const;
+  int nodes_alive() const { return alive_; }
   bool is_expelled(NodeId node) const { return nodes_[node.place() - 1].is_expelled; }
 
  private:
@@ -125,27 +129,35 @@ class Assignment {
   struct NodeState {
     bool is_lost = false;
     bool is_expelled = false;  ///< and stays lost
+    bool is_watched = false;   ///< stands once in watched_ or slow_
     double heard = 0;
     double freed = 0;                 ///< when it last returned something
     std::vector<ItemIndex> assigned;  ///< handed out by the host, not yet returned
-    /// Interleaved: its own items of open steps, in order, those left out that are done at the beginning.
+    /// Interleaved: its own items of open steps that nobody helps with, in order; some may be done.
     std::deque<ItemIndex> own;
-    int own_left = 0;  ///< of them, not yet done
+    std::vector<ItemIndex> helped;  ///< interleaved: its own items that others do, too; some may be done
+    int own_left = 0;               ///< of its own, not yet done
 
-    bool is_idle() const { return !is_lost && assigned.empty() && own_left == 0; }
+    bool has_work() const { return !assigned.empty() || own_left > 0; }
   };
+  /// What a slow node may be helped with. Earlier steps first: they hold the window.
+  using Help = std::tuple<StepIndex, double, ItemIndex, NodeId>;  ///< the item's step, since when it is held
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
 
   /// A word of a node that is heard, about work that there is.
   bool is_credible(NodeId node, ItemIndex item);
   void open_steps(double now);
   void hand_out(double now);
-  void help(NodeId node, std::span<const NodeId> slow, double now);
   void help_if_idle(NodeId node, double now);
+  /// Brings the sets of nodes with room, and of idle ones, up to date.
   void update_room(NodeId node);
   void give(NodeId node, ItemIndex item, double now);
   std::optional<ItemIndex> next_waiting();
-  std::vector<NodeId> nodes_that_are_slow(double now) const;
-  std::optional<ItemIndex> oldest_held_by(std::span<const NodeId> others, NodeId node, double now);
+  void watch(NodeId node);
+  double slow_from(NodeId node);
+  std::optional<Help> help_for(NodeId node, double now);
+  std::optional<ItemIndex> next_to_help(double now);
+  void leave(ItemIndex item, NodeId node);
   bool is_done(ItemIndex item);
   bool is_held_alone(ItemIndex item, NodeId by);
   void finish_item(ItemIndex item);
@@ -168,8 +180,14 @@ class Assignment {
   std::vector<Step> steps_;
   std::vector<NodeState> nodes_;
   std::deque<ItemIndex> waiting_;
-  /// Nodes that may be given more, those first that have least: how many each is assigned, and which it is.
-  std::set<std::pair<size_t, NodeId>> with_room_;
+  std::vector<NodeSet> with_room_;  ///< nodes that may be given more, by how many each is assigned
+  NodeSet idle_;                    ///< those that have nothing at all
+  int alive_ = 0;
+  /// Nodes with work, by the time from which each counts as slow or an earlier one, and those that are slow.
+  /// What stands there is put right when it comes to the front, not when it changes: most change long before.
+  std::priority_queue<std::pair<double, NodeId>, std::vector<std::pair<double, NodeId>>, std::greater<>>
+      watched_;
+  std::set<Help> slow_;
   std::vector<Action> actions_;
   StepIndex opened_;  ///< steps before this are open or over
   int released_ = 0;  ///< how many steps are released

@@ -41,8 +41,10 @@ struct FarmHostOptions {
   std::map<std::string, std::string> attributes;  ///< of every file
   std::vector<std::string> files;                 ///< one per frame of the pictures
   double node_timeout_s = liveness::kNodeTimeout_s;
-  int window_frames = 3;           ///< in memory at a time
-  bool keeps_costs = false;        ///< what each subpolygon took, in the result
+  int window_frames = 3;  ///< in memory at a time
+  // In the result, by subpolygon of every frame that was begun:
+  bool keeps_traced_by = false;
+  bool keeps_costs = false;
   std::vector<ProcessSign> signs;  ///< of the nodes, in order; empty: none can be lost alone
   ProgressStyle progress = ProgressStyle::automatic;
 };

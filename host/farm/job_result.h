@@ -40,7 +40,7 @@ struct FrameResult {
   bool sees_anything = false;         ///< an eye ray met something
   bool is_black = false;              ///< all pixels are 0
   uint64_t not_finite = 0;            ///< pixels that are infinite or not a number
-  std::vector<NodeId> traced_by;      ///< by subpolygon
+  std::vector<NodeId> traced_by;      ///< by subpolygon, if it is kept
   std::vector<SubpolygonCost> costs;  ///< by subpolygon, if they are kept
 };
 

@@ -27,8 +27,6 @@ PicturesHost::PicturesHost(Transport& transport, const FarmHostOptions& options,
     frame.frame = all.frames[i.place()];
     index_of_frame_[frame.frame] = i;
     frame.file = options.files[i.place()];
-    frame.traced_by.assign(static_cast<size_t>(all.items_per_step()), NodeId());
-    if (options.keeps_costs) frame.costs.resize(frame.traced_by.size());
     result_.frames.push_back(frame);
   }
 }
@@ -173,9 +171,15 @@ void PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std:
                     static_cast<size_t>(p.left - window.x0) * pixel_bytes,
                 pixels.data() + y * width * pixel_bytes, width * pixel_bytes);
   FrameResult& frame_result = result_.frames[index_of_frame_.at(report.frame).place()];
-  frame_result.traced_by[report.subpolygon.place()] = node;
-  if (options_.keeps_costs)
+  const auto subpolygons = static_cast<size_t>(pictures().items_per_step());
+  if (options_.keeps_traced_by) {
+    frame_result.traced_by.resize(subpolygons);
+    frame_result.traced_by[report.subpolygon.place()] = node;
+  }
+  if (options_.keeps_costs) {
+    frame_result.costs.resize(subpolygons);
     frame_result.costs[report.subpolygon.place()] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
+  }
   frame_result.sees_anything |= report.sees_anything;
   frame_result.not_finite += report.not_finite;
   frame_result.rays += rays;

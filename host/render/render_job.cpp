@@ -260,6 +260,7 @@ class Render {
 
     farm_options.image = {
         settings.width_px, settings.height_px, settings.crop, make_pixel_layout(settings.pixel_format), {}};
+    farm_options.keeps_traced_by = !options_.stats.empty() || options_.is_full_report;
     farm_options.keeps_costs = !options_.cost_map.empty();
     farm_options.node_timeout_s = options_.node_timeout_s;
     farm_options.signs = roll_call.signs();
