@@ -23,6 +23,8 @@ find_package(OpenEXR QUIET CONFIG)
 rayfarm_require(OpenEXR libopenexr-dev)
 find_package(PNG QUIET)
 rayfarm_require(PNG libpng-dev)
+find_package(ZLIB QUIET)
+rayfarm_require(ZLIB zlib1g-dev)
 find_package(OpenImageIO QUIET CONFIG)
 rayfarm_require(OpenImageIO "libopenimageio-dev openimageio-tools")
 # Debian's package names OpenCV's headers, which it doesn't depend on and Rayfarm doesn't need.

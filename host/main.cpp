@@ -120,6 +120,7 @@ int run(const Request& request, int argc, char** argv) {
 int main(int argc, char** argv) {
   share_heap_if_limited();
   hold_standard_streams();
+  leave_warnings_to_the_host();
   int code = kRenderFailure;
   try {
     code = run(read_command_line(argc, argv), argc, argv);

@@ -18,6 +18,8 @@
 namespace rayfarm {
 namespace {
 
+constexpr double kMostTime_s = 366.0 * 24 * 3600;
+
 template <size_t N>
 std::array<int, N> parse_numbers(const std::string& text, char separator, const std::string& form) {
   std::array<int, N> numbers{};
@@ -40,6 +42,25 @@ Subpixels parse_subpixels(const std::string& text) {
     throw UsageError(
         fmt::format("--subpixels {}: a pixel is cut into 1 to {} columns and rows", text, Subpixels::kMost));
   return {static_cast<uint32_t>(parts[0]), static_cast<uint32_t>(parts[1])};
+}
+
+/// Seconds of SS, MM:SS or HH:MM:SS.
+double parse_duration(const std::string& option, const std::string& text) {
+  double seconds = 0;
+  int parts = 0;
+  for (size_t begin = 0; begin <= text.size(); ++parts) {
+    const size_t end = std::min(text.find(':', begin), text.size());
+    int value = 0;
+    const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
+    if (error != std::errc{} || stop != text.data() + end || value < 0 || (parts > 0 && value > 59))
+      parts = 3;
+    seconds = 60 * seconds + value;
+    begin = end + 1;
+  }
+  if (parts > 3 || seconds < 1 || seconds > kMostTime_s)
+    throw UsageError(fmt::format(
+        "{} {}: is no time from a second to a year; write HH:MM:SS, MM:SS or seconds", option, text));
+  return seconds;
 }
 
 void add_picture(Options& options, RenderOptions& o) {
@@ -82,6 +103,18 @@ void add_picture(Options& options, RenderOptions& o) {
       "of pixels on the net and in the frame buffer (default: what the file holds: PNG rgb8, EXR half)");
   options.flag("--skip-existing", o.skip_existing,
                "leave out frames whose file is there, whole, and of this scene and these settings");
+  options.flag(
+      "--resume", o.resume,
+      "go on where an earlier run of this job was stopped, with any number of nodes: frames that are there "
+      "are left out, and what is in a frame's journal is not traced again");
+  options.text(
+      "--max-time", [&o](const std::string& text) { o.most_time_s = parse_duration("--max-time", text); },
+      "stop after so long as if by Ctrl-C: what there is can be looked at, and --resume goes on",
+      "[[HH:]MM:]SS");
+  options.number(
+      "--journal", o.journal_every_s, 0, 3600,
+      "seconds between two times that results of frames in the making are written to FILE.journal; 0: "
+      "they are not (default: 2)");
 }
 
 void add_light(Options& options, RenderOptions& o) {

@@ -71,6 +71,12 @@ void Assignment::open_steps(double now) {
     ItemIndex index = first_of(opened_);
     for (Item& item : step.items) {
       item.since = now;
+      if (options_.is_done && options_.is_done(index)) {
+        item.state = State::done;
+        --step.left;
+        ++index;
+        continue;
+      }
       const NodeId owner = options_.owner_of ? options_.owner_of(index) : NodeId();
       if (options_.owner_of && !node_state(owner).is_lost) {
         item.state = State::held;
@@ -83,6 +89,10 @@ void Assignment::open_steps(double now) {
         waiting_.push_back(index);
       }
       ++index;
+    }
+    if (step.left == 0) {
+      step.is_over = true;
+      actions_.emplace_back(StepComplete{opened_});
     }
     ++opened_;
   }

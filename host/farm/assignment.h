@@ -35,6 +35,7 @@ struct PhaseWork {
   int window_steps = 3;  ///< steps begun but not yet released: bounds the host's memory
   /// Interleaved: the node that does an item by itself; empty: all is handed out on demand.
   std::function<NodeId(ItemIndex)> owner_of;
+  std::function<bool(ItemIndex)> is_done;  ///< before the phase begins; empty: nothing is
 };
 
 /// Of the net, and the work of the first phase.

@@ -48,7 +48,7 @@ void FarmHost::run() {
     make_pictures(group, std::move(*solution));
     if (is_over_) break;
   }
-  pictures_.finish(listening_.now());
+  pictures_.finish(listening_.now(), result_.was_interrupted);
   result_.times.host_cpu_s = cpu_s() - cpu_begin;
   result_.times.finish_s = now_s() - begin - result_.times.trace_s - result_.zones.seconds;
   show_progress(true);

@@ -9,6 +9,7 @@
 
 #include "common/image/image_file.h"
 #include "common/lighting/zones/zone_solver.h"
+#include "host/farm/journal.h"
 #include "host/farm/progress.h"
 #include "protocol/job_plan.h"
 #include "protocol/liveness.h"
@@ -33,10 +34,19 @@ struct ZonesOfJob {
   std::function<void(FrameNumber frame, Bytes solution)> take;
 };
 
+/// Results that are kept on disk until a frame's file is whole, for a job that has to go on later.
+struct JournalsOfJob {
+  double every_s = 0;  ///< between two times that the disk is written; 0: nothing is kept
+  JournalLines lines;  ///< of all frames
+  /// By the job's frames: journals of an earlier run, whose results need no work. They go on.
+  std::map<FrameIndex, JournalHead> found;
+};
+
 struct FarmHostOptions {
   JobPlan plan;
   std::vector<FrameGroup> groups;  ///< all frames of the plan's pictures, in order; empty: they are one group
   ZonesOfJob zones;
+  JournalsOfJob journals;
   Image image;                                    ///< size, window and format of every frame; no pixels
   std::map<std::string, std::string> attributes;  ///< of every file
   std::vector<std::string> files;                 ///< one per frame of the pictures

@@ -44,6 +44,14 @@ struct FrameResult {
   std::vector<SubpolygonCost> costs;  ///< by subpolygon, if they are kept
 };
 
+/// A frame whose file was not written when the job ended, and what there is of it.
+struct UnfinishedFrame {
+  FrameNumber frame;
+  double share = 0;     ///< of its pixels that are in the journal
+  std::string journal;  ///< empty: none is kept
+  std::string preview;  ///< a picture of what there is; empty: there is none
+};
+
 /// What was done for zones before pictures.
 struct ZonesResult {
   uint64_t stages = 0;
@@ -68,10 +76,12 @@ struct JobTimes {
 struct JobResult {
   std::vector<NodeResult> nodes;
   std::vector<FrameResult> frames;
-  uint64_t pixels_received = 0;  ///< in results, duplicates too
+  std::vector<UnfinishedFrame> unfinished;  ///< of frames that were begun
+  uint64_t pixels_received = 0;             ///< in results, duplicates too
   uint64_t pixels_kept = 0;
-  uint64_t duplicates = 0;  ///< results dropped
-  RayCounts rays;           ///< of pictures
+  uint64_t pixels_resumed = 0;  ///< of those kept: from journals of an earlier run
+  uint64_t duplicates = 0;      ///< results dropped
+  RayCounts rays;               ///< of pictures
   ZonesResult zones;
   std::string problem;       ///< for which the job could not go on; empty: there was none
   uint64_t scene_bytes = 0;  ///< of the block that load data carries

@@ -6,9 +6,18 @@
 #include <cstring>
 #include <utility>
 
+#include "host/farm/preview.h"
 #include "protocol/block_codec.h"
 
 namespace rayfarm {
+
+namespace {
+
+size_t area_of(const DisplayPolygon& p) {
+  return static_cast<size_t>(p.right - p.left + 1) * static_cast<size_t>(p.bottom - p.top + 1);
+}
+
+}  // namespace
 
 PicturesHost::PicturesHost(Transport& transport, const FarmHostOptions& options, JobResult& result,
                            const Tell& tell, Assignment& assignment)
@@ -18,6 +27,7 @@ PicturesHost::PicturesHost(Transport& transport, const FarmHostOptions& options,
       tell_(tell),
       assignment_(assignment),
       phase_(PicturesPhase{{}, options.plan.pictures.grid, {}}),
+      journal_(options.journals.every_s),
       frames_(options.plan.pictures.frames.size()),
       pixels_of_node_(static_cast<size_t>(options.plan.processors) + 1),
       step_of_node_(pixels_of_node_.size()) {
@@ -36,6 +46,30 @@ void PicturesHost::begin(const FrameGroup& group) {
                     {0, PhaseKind::pictures, group.first.value(), static_cast<uint64_t>(group.count), 1, 0});
   is_at_work_ = true;
   std::fill(step_of_node_.begin(), step_of_node_.end(), std::nullopt);
+  resumed_.clear();
+  for (const auto& [frame, head] : options_.journals.found)
+    if (frame >= group.first && frame.value() < group.first.value() + group.count) resume(frame, head);
+}
+
+void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
+  const std::string path = journal_of(options_.files[frame.place()]);
+  begin_frame(frame);
+  const uint64_t end = read_journal(path, head, [&](std::span<const std::byte> record) {
+    try {
+      const BlockResult block = decode_block(record);
+      check(block.report);
+      const std::optional<ItemIndex> item = item_of(block.report);
+      if (!item || of_job(pictures().frame_of(*item)) != frame || resumed_.contains(*item)) return;
+      const Bytes unpacked = block.is_compressed ? pixels_of(block) : Bytes();
+      const auto pixels = block.is_compressed ? std::span<const std::byte>(unpacked) : block.pixels;
+      check_size(block.report, pixels);
+      store(block.report, pixels);
+      resumed_.insert(*item);
+    } catch (const ProtocolError&) {  // whole, but no result of this frame: it is traced again
+    }
+  });
+  result_.pixels_resumed += static_cast<uint64_t>(frames_[frame.place()].pixels_there);
+  journal_.go_on(path, end);
 }
 
 PhaseWork PicturesHost::work() const {
@@ -43,6 +77,7 @@ PhaseWork PicturesHost::work() const {
   work.steps = pictures().steps();
   work.items_per_step = pictures().items_per_step();
   work.window_steps = options_.window_frames;
+  if (!resumed_.empty()) work.is_done = [this](ItemIndex item) { return resumed_.contains(item); };
   if (options_.plan.policy == AssignmentPolicy::interleaved)
     work.owner_of = [this](ItemIndex item) { return owner_of(options_.plan, pictures(), item); };
   return work;
@@ -98,16 +133,18 @@ std::optional<ItemIndex> PicturesHost::item_of(const SubpolygonReport& report) c
   return pictures().item_of(FrameIndex(step), report.subpolygon);
 }
 
+Bytes PicturesHost::pixels_of(const BlockResult& block) const {
+  const DisplayPolygon p = pictures().grid.polygon(block.report.subpolygon);
+  return decompress_rgb8(block.pixels, p.right - p.left + 1, p.bottom - p.top + 1);
+}
+
 void PicturesHost::receive_block(NodeId node, std::span<const std::byte> bytes, double now) {
   const BlockResult block = decode_block(bytes);
-  if (!block.is_compressed) {
-    keep_result(node, block.report, block.pixels, block.pixels.size(), now);
-    return;
-  }
   check(block.report);
-  const DisplayPolygon p = pictures().grid.polygon(block.report.subpolygon);
-  keep_result(node, block.report, decompress_rgb8(block.pixels, p.right - p.left + 1, p.bottom - p.top + 1),
-              block.pixels.size(), now);
+  const bool is_news = block.is_compressed
+                           ? keep_result(node, block.report, pixels_of(block), block.pixels.size(), now)
+                           : keep_result(node, block.report, block.pixels, block.pixels.size(), now);
+  if (is_news) journal_.append(journal_of(file_of(block.report.frame)), bytes);
 }
 
 void PicturesHost::receive_pixels(NodeId node, std::span<const std::byte> bytes) {
@@ -135,42 +172,42 @@ void PicturesHost::end_of_pixels(NodeId node, const SubpolygonReport& report, do
     seen[i] = true;
     for (size_t c = 0; c < 3; ++c) block[3 * i + c] = static_cast<std::byte>(pixel.rgb[c]);
   }
-  keep_result(node, report, block, kPixelBytes * pixels.size(), now);
+  if (keep_result(node, report, block, kPixelBytes * pixels.size(), now) && journal_.keeps_any())
+    journal_.append(journal_of(file_of(report.frame)),
+                    encode_block(processor_of(node), {report, false, block}));
 }
 
-void PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
+void PicturesHost::check_size(const SubpolygonReport& report, std::span<const std::byte> pixels) const {
+  const DisplayPolygon p = pictures().grid.polygon(report.subpolygon);
+  if (pixels.size() != area_of(p) * options_.image.layout.bytes)
+    throw ProtocolError("a block of another size than its subpolygon");
+}
+
+bool PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
                                size_t bytes, double now) {
   check(report);
-  const DisplayPolygon p = pictures().grid.polygon(report.subpolygon);
-  const PixelRect& window = options_.image.window;
-  const size_t pixel_bytes = options_.image.layout.bytes;
-  const auto width = static_cast<size_t>(p.right - p.left + 1),
-             height = static_cast<size_t>(p.bottom - p.top + 1);
-  if (pixels.size() != width * height * pixel_bytes)
-    throw ProtocolError("a block of another size than its subpolygon");
-
-  const RayCounts rays{report.rays, report.ray_tallies};
+  check_size(report, pixels);
   NodeResult& node_result = result_.node(node);
   ++node_result.subpolygons;
-  node_result.rays += rays.total();
+  node_result.rays += RayCounts{report.rays, report.ray_tallies}.total();
   node_result.busy_s += static_cast<double>(report.busy_us) * 1e-6;
-  result_.pixels_received += width * height;
+  result_.pixels_received += area_of(pictures().grid.polygon(report.subpolygon));
   const std::optional<ItemIndex> item = is_at_work_ ? item_of(report) : std::nullopt;
   if (!item || !assignment_.accept(node, *item, now)) {
     ++result_.duplicates;
-    return;
+    return false;
   }
-  FrameBuffer& frame = frames_[index_of_frame_.at(report.frame).place()];
-  if (!frame.is_begun) {
-    frame.pixels.resize(static_cast<size_t>(window.area()) * pixel_bytes);
-    frame.is_begun = true;
+  const FrameIndex frame = index_of_frame_.at(report.frame);
+  if (frames_[frame.place()].is_there.empty()) {
+    begin_frame(frame);
+    JournalLines lines = options_.journals.lines;
+    lines.emplace_back("frame", fmt::format("{}", report.frame.value()));
+    lines.emplace_back("columns", fmt::format("{}", pictures().grid.columns));
+    lines.emplace_back("rows", fmt::format("{}", pictures().grid.rows));
+    journal_.begin(journal_of(file_of(report.frame)), std::move(lines));
   }
-  const size_t row_bytes = static_cast<size_t>(window.width()) * pixel_bytes;
-  for (size_t y = 0; y < height; ++y)
-    std::memcpy(frame.pixels.data() + (static_cast<size_t>(p.top - window.y0) + y) * row_bytes +
-                    static_cast<size_t>(p.left - window.x0) * pixel_bytes,
-                pixels.data() + y * width * pixel_bytes, width * pixel_bytes);
-  FrameResult& frame_result = result_.frames[index_of_frame_.at(report.frame).place()];
+  store(report, pixels);
+  FrameResult& frame_result = result_.frames[frame.place()];
   const auto subpolygons = static_cast<size_t>(pictures().items_per_step());
   if (options_.keeps_traced_by) {
     frame_result.traced_by.resize(subpolygons);
@@ -180,11 +217,35 @@ void PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std:
     frame_result.costs.resize(subpolygons);
     frame_result.costs[report.subpolygon.place()] = {static_cast<double>(report.busy_us) * 1e-6, bytes};
   }
+  return true;
+}
+
+void PicturesHost::begin_frame(FrameIndex frame) {
+  FrameBuffer& buffer = frames_[frame.place()];
+  buffer.pixels.resize(static_cast<size_t>(options_.image.window.area()) * options_.image.layout.bytes);
+  buffer.is_there.resize(static_cast<size_t>(pictures().items_per_step()));
+}
+
+void PicturesHost::store(const SubpolygonReport& report, std::span<const std::byte> pixels) {
+  const DisplayPolygon p = pictures().grid.polygon(report.subpolygon);
+  const PixelRect& window = options_.image.window;
+  const size_t pixel_bytes = options_.image.layout.bytes;
+  FrameBuffer& frame = frames_[index_of_frame_.at(report.frame).place()];
+  const size_t row_bytes = static_cast<size_t>(window.width()) * pixel_bytes;
+  const size_t own_row_bytes = static_cast<size_t>(p.right - p.left + 1) * pixel_bytes;
+  for (int y = p.top; y <= p.bottom; ++y)
+    std::memcpy(frame.pixels.data() + static_cast<size_t>(y - window.y0) * row_bytes +
+                    static_cast<size_t>(p.left - window.x0) * pixel_bytes,
+                pixels.data() + static_cast<size_t>(y - p.top) * own_row_bytes, own_row_bytes);
+  frame.is_there[report.subpolygon.place()] = true;
+  frame.pixels_there += static_cast<int64_t>(area_of(p));
+  const RayCounts rays{report.rays, report.ray_tallies};
+  FrameResult& frame_result = result_.frames[index_of_frame_.at(report.frame).place()];
   frame_result.sees_anything |= report.sees_anything;
   frame_result.not_finite += report.not_finite;
   frame_result.rays += rays;
   result_.rays += rays;
-  result_.pixels_kept += width * height;
+  result_.pixels_kept += area_of(p);
 }
 
 void PicturesHost::tell_what_is_odd(const FrameResult& frame) const {
@@ -215,6 +276,7 @@ void PicturesHost::take_written(double now) {
     frame.problem = written->problem;
     frame.sha256 = written->sha256;
     frame.is_written = written->problem.empty();
+    if (frame.is_written) journal_.remove(journal_of(frame.file));
     frame.is_black = written->is_black;
     result_.times.write_s += written->seconds;
     if (!written->problem.empty())
@@ -223,11 +285,38 @@ void PicturesHost::take_written(double now) {
     // None of an earlier phase is left: that was over when all were written.
     assignment_.release(StepIndex(written->frame.value() - pictures().first.value()), now);
   }
+  for (const std::string& problem : journal_.take_problems()) tell_(problem);
 }
 
-void PicturesHost::finish(double now) {
+void PicturesHost::finish(double now, bool with_previews) {
   writer_.finish();
   take_written(now);
+  journal_.sync();
+  for (const std::string& problem : journal_.take_problems()) tell_(problem);
+  tell_of_unfinished(with_previews);
+}
+
+void PicturesHost::tell_of_unfinished(bool with_previews) {
+  for (FrameIndex i; i.place() < frames_.size(); ++i) {
+    const FrameBuffer& frame = frames_[i.place()];
+    const FrameResult& of = result_.frames[i.place()];
+    if (frame.is_there.empty() || of.is_written) continue;
+    UnfinishedFrame unfinished{
+        of.frame,
+        static_cast<double>(frame.pixels_there) / static_cast<double>(options_.image.window.area()),
+        journal_.keeps_any() ? journal_of(of.file) : "",
+        {}};
+    if (with_previews && !frame.pixels.empty()) {
+      const std::string path = preview_of(of.file);
+      try {
+        write_preview(path, options_.image, frame.pixels, pictures().grid, frame.is_there);
+        unfinished.preview = path;
+      } catch (const std::exception& e) {
+        tell_(fmt::format("there is no preview of frame {}: {}", of.frame.value(), e.what()));
+      }
+    }
+    result_.unfinished.push_back(std::move(unfinished));
+  }
 }
 
 }  // namespace rayfarm

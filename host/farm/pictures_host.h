@@ -2,6 +2,7 @@
 // Pictures: pixels go into frame buffers, and whole frames to their files.
 #include <map>
 #include <optional>
+#include <set>
 
 #include "host/farm/farm_options.h"
 #include "host/farm/frame_writer.h"
@@ -27,8 +28,9 @@ class PicturesHost : public PhaseHost {
 
   /// Takes note of frames that were written.
   void take_written(double now);
-  /// Waits until all frames that are whole are written.
-  void finish(double now);
+  /// Waits until all frames that are whole are written, and what there is of others is in their journals.
+  /// `with_previews`: pictures of these, too.
+  void finish(double now, bool with_previews);
 
   const Phase& phase() const override { return phase_; }
   PhaseWork work() const override;
@@ -41,7 +43,8 @@ class PicturesHost : public PhaseHost {
  private:
   struct FrameBuffer {
     std::vector<std::byte> pixels;
-    bool is_begun = false;
+    std::vector<bool> is_there;  ///< by subpolygon; empty: no result has come
+    int64_t pixels_there = 0;
   };
 
   const PicturesPhase& pictures() const { return std::get<PicturesPhase>(phase_); }
@@ -49,13 +52,24 @@ class PicturesHost : public PhaseHost {
   FrameIndex of_job(FrameIndex of_phase) const {
     return FrameIndex(pictures().first.value() + of_phase.value());
   }
+  const std::string& file_of(FrameNumber frame) const {
+    return result_.frames[index_of_frame_.at(frame).place()].file;
+  }
   /// Throws ProtocolError if the job has no such subpolygon.
   void check(const SubpolygonReport& report) const;
   /// Nothing if it is not of the phase at work.
   std::optional<ItemIndex> item_of(const SubpolygonReport& report) const;
-  /// `bytes`: of the pixels on the net.
-  void keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
+  /// `bytes`: of the pixels on the net. True if it was news.
+  bool keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
                    size_t bytes, double now);
+  /// Into the frame buffer. Throws ProtocolError if the pixels are not those of the subpolygon.
+  void store(const SubpolygonReport& report, std::span<const std::byte> pixels);
+  void check_size(const SubpolygonReport& report, std::span<const std::byte> pixels) const;
+  Bytes pixels_of(const BlockResult& block) const;
+  void begin_frame(FrameIndex frame);
+  /// What is in the frame's journal needs no work.
+  void resume(FrameIndex frame, const JournalHead& head);
+  void tell_of_unfinished(bool with_previews);
   void tell_what_is_odd(const FrameResult& frame) const;
 
   Transport& transport_;
@@ -66,6 +80,8 @@ class PicturesHost : public PhaseHost {
   Phase phase_;
   bool is_at_work_ = false;
   FrameWriter writer_;
+  JournalWriter journal_;
+  std::set<ItemIndex> resumed_;                           ///< of the phase at work
   std::map<FrameNumber, FrameIndex> index_of_frame_;      ///< among the job's
   std::vector<FrameBuffer> frames_;                       ///< of the job
   std::vector<std::vector<PixelResult>> pixels_of_node_;  ///< pixel wire: of the subpolygon being returned

@@ -4,12 +4,14 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <csignal>
 #include <filesystem>
 
 #include "common/scene/camera.h"
 #include "host/bake/bake.h"
 #include "host/farm/dismissal.h"
 #include "host/farm/farm_host.h"
+#include "host/farm/preview.h"
 #include "host/farm/report.h"
 #include "host/farm/roll_call.h"
 #include "host/farm/statistics.h"
@@ -19,6 +21,7 @@
 #include "host/process/interrupt.h"
 #include "host/render/choices.h"
 #include "host/render/frame_groups.h"
+#include "host/render/journals.h"
 #include "host/render/output_pattern.h"
 #include "host/render/outputs.h"
 #include "host/render/reception.h"
@@ -38,6 +41,7 @@ class Render {
                     : options.is_verbose ? spdlog::level::debug
                                          : spdlog::level::info);
     begin_ = now_s();
+    if (options.most_time_s > 0) interrupt_after(options.most_time_s);
   }
   ~Render() { spdlog::drop("rayfarm"); }
   Render(const Render&) = delete;
@@ -81,22 +85,25 @@ class Render {
     return render_loaded(roll_call);
   }
 
-  /// A frame to render, and its file.
+  /// A frame to render, its file, and what an earlier run left of it.
   struct Picture {
     FrameNumber frame;
     std::string file;
+    std::optional<JournalHead> journal;
   };
 
   /// Frames whose pictures are there are left out, if that is asked for. Throws JobError and InputError.
   std::vector<Picture> choose_pictures(const RenderSettings& settings,
-                                       const std::map<std::string, std::string>& attributes) const {
+                                       const std::map<std::string, std::string>& attributes,
+                                       const JournalLines& journal_lines) const {
     std::vector<Picture> pictures;
     for (const FrameNumber frame : choose_frames(options_, loaded_->description)) {
       if (interrupted_by() != 0) throw JobError(kStopped, "stopped before anything was traced");
       const std::string file = file_of_frame(options_.output, frame);
-      if (options_.skip_existing && std::filesystem::exists(file)) {
+      if ((options_.skip_existing || options_.resume) && std::filesystem::exists(file)) {
         const std::string why = why_not_finished(file, settings, frame, attributes);
         if (why.empty()) {
+          remove_leftovers(file);
           log_->info("{} is there; frame {} is skipped", file, frame.value());
           continue;
         }
@@ -115,9 +122,45 @@ class Render {
       } catch (const std::domain_error& e) {
         throw InputError({options_.scene}, fmt::format("at frame {}: {}", frame.value(), e.what()));
       }
-      pictures.push_back({frame, file});
+      std::optional<JournalHead> journal;
+      if (options_.resume) {
+        journal = find_journal(file, frame, journal_lines);
+      } else if (std::filesystem::exists(journal_of(file))) {
+        log_->warn("{} holds work of an earlier run, which --resume would go on from; frame {} is begun anew",
+                   journal_of(file), frame.value());
+      }
+      pictures.push_back({frame, file, std::move(journal)});
     }
     return pictures;
+  }
+
+  /// Subpolygons are cut as they were when the journals were written, and handed out: nodes that know their
+  /// own sets do not know what is done.
+  void adopt_journals(const RenderSettings& settings, FarmHostOptions& farm_options) {
+    auto& found = farm_options.journals.found;
+    if (found.empty()) return;
+    JobPlan& plan = farm_options.plan;
+    SubpolygonGrid& grid = plan.pictures.grid;
+    grid = grid_of(found.begin()->second, settings.crop, farm_options.files[found.begin()->first.place()]);
+    for (const auto& [frame, head] : found) {
+      const std::string& file = farm_options.files[frame.place()];
+      const SubpolygonGrid other = grid_of(head, settings.crop, file);
+      if (other.columns != grid.columns || other.rows != grid.rows)
+        throw JobError(kUsageError,
+                       fmt::format("--resume: {} was cut into {} × {} subpolygons, and {} into {} × {}; "
+                                   "resume them apart (--frames), or remove one",
+                                   journal_of(farm_options.files[found.begin()->first.place()]), grid.columns,
+                                   grid.rows, journal_of(file), other.columns, other.rows));
+    }
+    if (std::exchange(plan.policy, AssignmentPolicy::on_demand) != AssignmentPolicy::on_demand)
+      log_->info("--assign interleaved: what an earlier run left is handed out on demand");
+  }
+
+  /// What a run that was ended left beside a file that is whole.
+  static void remove_leftovers(const std::string& file) {
+    std::error_code ignored;
+    for (const std::string& other : {journal_of(file), preview_of(file)})
+      std::filesystem::remove(other, ignored);
   }
 
   /// Where pictures take light from zones. Files of zones are looked through now: what is wrong with one is
@@ -206,13 +249,19 @@ class Render {
     for (const std::string& note : name_idle_spectra(settings, loaded_->compiled.scene)) log_->warn(note);
     FarmHostOptions farm_options;
     farm_options.attributes = make_attributes(settings, loaded_->compiled.block.bytes());
+    farm_options.journals.every_s = options_.bake ? 0 : options_.journal_every_s;
+    farm_options.journals.lines = journal_lines(settings, farm_options.attributes);
     std::vector<FrameNumber> frames;
-    for (const Picture& picture : choose_pictures(settings, farm_options.attributes)) {
+    for (Picture& picture : choose_pictures(settings, farm_options.attributes, farm_options.journals.lines)) {
+      if (picture.journal)
+        farm_options.journals.found.emplace(FrameIndex(static_cast<int>(frames.size())),
+                                            std::move(*picture.journal));
       frames.push_back(picture.frame);
       farm_options.files.push_back(picture.file);
     }
     check_outputs_are_no_inputs(options_, farm_options.files, loaded_->description.files);
     farm_options.plan = make_plan(options_, settings, frames, farm_.transport.node_count());
+    adopt_journals(settings, farm_options);
     const JobPlan& plan = farm_options.plan;
     const SubpolygonGrid& grid = plan.pictures.grid;
     if (frames.empty()) {
@@ -283,8 +332,11 @@ class Render {
       say("{}", format_zones_report(result_, baked_.empty() ? "nothing" : baked_));
     else if (!options_.is_quiet)
       say("{}", options_.is_full_report ? format_full_report(result_, meter) : format_report(result_, meter));
-    for (const FrameResult& frame : result_.frames)
-      if (frame.is_written) std::fprintf(stdout, "%s\n", frame.file.c_str());
+    for (const FrameResult& frame : result_.frames) {
+      if (!frame.is_written) continue;
+      std::fprintf(stdout, "%s\n", frame.file.c_str());
+      if (options_.resume) remove_leftovers(frame.file);
+    }
     bool is_told = flush_results() && !is_zones_file_missing_;
     try {
       if (!options_.stats.empty())
@@ -294,9 +346,15 @@ class Render {
       log_->error(e.what());
       is_told = false;
     }
+    for (const UnfinishedFrame& frame : result_.unfinished)
+      if (!frame.journal.empty())
+        log_->info("frame {}: {:.1f} % of its pixels are in {}{}", frame.frame.value(), 100 * frame.share,
+                   frame.journal, frame.preview.empty() ? "" : "; they can be looked at in " + frame.preview);
     if (result_.was_interrupted)
-      throw JobError(kStopped,
-                     "stopped; frames that were finished are in place (--skip-existing goes on from there)");
+      throw JobError(
+          kStopped,
+          fmt::format("stopped{}; frames that were finished are in place; --resume goes on from there",
+                      interrupted_by() == SIGALRM ? " by --max-time" : ""));
     if (result_.lost_all_nodes) {
       const std::string problem = result_.first_problem();
       throw JobError(kRenderFailure, problem.empty() ? "every node is lost"

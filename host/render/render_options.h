@@ -42,6 +42,9 @@ struct RenderOptions {
   int local_nodes = 0;  ///< 0: one per core
   double node_timeout_s = liveness::kNodeTimeout_s;
   bool skip_existing = false;
+  bool resume = false;         ///< goes on from journals of an earlier run
+  double journal_every_s = 2;  ///< between two times that journals are written to the disk; 0: none are kept
+  double most_time_s = 0;      ///< from the beginning, after which the job stops; 0: as long as it takes
   std::string stats, cost_map;
   std::optional<BakeOptions> bake;  ///< the light of zones is written in place of pictures
   std::string zones_file;           ///< where the light of zones is kept; empty: nowhere

@@ -12,27 +12,18 @@
 #include "common/files/read_file.h"
 #include "common/files/whole_file.h"
 #include "common/image/image_file.h"
-#include "common/scene/settings_codec.h"
 #include "host/process/exit_code.h"
 #include "host/render/output_pattern.h"
+#include "host/render/settings_lines.h"
 #include "protocol/messages.h"
 
 namespace rayfarm {
 namespace {
 
 /// The first line, which says what the file is: the number is the format's.
-constexpr std::string_view kMagic = "rayfarm-zones 1\n";
+constexpr std::string_view kMagic = "rayfarm-zones 2\n";
 /// Longer than any header.
 constexpr size_t kMostHeaderBytes = 1 << 16;
-
-/// What differs, for people, if a line does.
-std::string name_difference(const std::string& line) {
-  if (line == "version") return "another version of Rayfarm";
-  if (line == "scene") return "another scene, or one whose primitives are arranged otherwise (--hierarchy)";
-  if (line == "frame") return "another frame, and things move in this scene";
-  if (line == "settings") return "other settings";
-  return "another " + line;
-}
 
 [[noreturn]] void refuse(int code, const std::string& file, const std::string& problem,
                          const std::string& what_to_do) {
@@ -120,25 +111,9 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
 ZonesFile::ZonesFile(std::string name, const Scene& scene, const RenderSettings& settings, bool has_poses)
     : name_(std::move(name)), has_poses_(has_poses) {
   const RenderSettings s = settings_of_zones(settings);
-  lines_ = {{"version", RAYFARM_VERSION},
-            {"scene", hash_without_view(scene)},
-            {"--lighting", fmt::format("{}", static_cast<int>(s.lighting))},
-            {"--colour", fmt::format("{}", static_cast<int>(s.colour))},
-            {"--seed", fmt::format("{}", s.seed)},
-            {"--max-depth", fmt::format("{}", s.max_depth)},
-            {"--max-reflections", fmt::format("{}", s.max_reflections)},
-            {"--max-transmissions", fmt::format("{}", s.max_transmissions)},
-            {"--self-hit", fmt::format("{}", static_cast<int>(s.self_hit))},
-            {"--zone-size", fmt::format("{}", s.zones.size)},
-            {"--zone-rays", fmt::format("{}", s.zones.rays)},
-            {"--zone-samples", fmt::format("{}", s.zones.samples)},
-            {"--zone-tolerance", fmt::format("{}", s.zones.tolerance)},
-            {"--zone-primary", fmt::format("{}", static_cast<int>(s.zones.primary))},
-            {"--shoot", fmt::format("{}", static_cast<int>(s.zones.shooting))},
-            {"--form-factors", fmt::format("{}", static_cast<int>(s.zones.form_factors))},
-            {"--hemicube", fmt::format("{}", s.zones.hemicube_cells)},
-            // All of them, those above and those that have no name of their own here.
-            {"settings", sha256(encode_settings(s))}};
+  lines_ = {{"version", RAYFARM_VERSION}, {"scene", hash_without_view(scene)}};
+  const Lines of_settings = rayfarm::lines_of(s);
+  lines_.insert(lines_.end(), of_settings.begin(), of_settings.end());
 }
 
 std::string ZonesFile::file_of(FrameNumber frame) const {

@@ -237,7 +237,7 @@ class Files(ZonesTest):
                                  (b"my diary\n\n", "this is no file of zones"), (whole + b"x", "its bytes are not those"),
                                  (whole[:-1] + bytes([whole[-1] ^ 1]), "its bytes are not those"),
                                  (whole.replace(b"length ", b"length -"), "its header can't be read"),
-                                 (whole.replace(b"\nscene", b"\nscone"), "has no 'scene'"), (whole.replace(b"zones 1", b"zones 2"), "another version")):
+                                 (whole.replace(b"\nscene", b"\nscone"), "has no 'scene'"), (whole.replace(b"zones 2", b"zones 3"), "another version")):
             file.write_bytes(damaged)
             code, stderr = self.run_fake(1, "--zones", file)
             self.assertIn(code, (2, 3), stderr)

@@ -1,0 +1,64 @@
+#include "host/farm/preview.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <stdexcept>
+
+#include "common/image/image_file.h"
+
+namespace rayfarm {
+namespace {
+
+/// Larger pictures are shown by every other pixel, or fewer.
+constexpr int kLongestSide_px = 4096;
+/// Of the chequer that stands for what is not there.
+constexpr int kChequer_px = 16;
+constexpr std::array<uint8_t, 2> kChequerGreys{96, 160};
+
+}  // namespace
+
+std::string preview_of(const std::string& file) {
+  const std::filesystem::path path(file);
+  return (path.parent_path() / (path.stem().string() + ".partial.png")).string();
+}
+
+void write_preview(const std::string& path, const Image& image, std::span<const std::byte> pixels,
+                   const SubpolygonGrid& grid, const std::vector<bool>& is_there) {
+  const PixelRect& window = image.window;
+  const int step = (std::max(window.width(), window.height()) + kLongestSide_px - 1) / kLongestSide_px;
+  std::array<const PixelChannel*, 3> channels{};
+  for (size_t c = 0; c < 3; ++c) {
+    constexpr std::array kNames{"R", "G", "B"};
+    const auto channel = image.layout.find(kNames[c]);
+    if (!channel) throw std::runtime_error("the pixels hold no colour");
+    channels[c] = &image.layout.channels[*channel];
+  }
+  Image preview;
+  preview.width_px = (window.width() + step - 1) / step;
+  preview.height_px = (window.height() + step - 1) / step;
+  preview.window = {0, 0, preview.width_px, preview.height_px};
+  preview.layout = make_pixel_layout(PixelFormat::rgb8);
+  preview.pixels.resize(3 * static_cast<size_t>(preview.window.area()));
+  std::byte* out = preview.pixels.data();
+  // Subpolygon by subpolygon: which one a pixel belongs to need not be asked pixel by pixel.
+  for (SubpolygonId i; i.value() < grid.count(); ++i) {
+    const DisplayPolygon p = grid.polygon(i);
+    const auto first = [&](int edge) { return (edge + step - 1) / step; };
+    for (int y = first(p.top - window.y0); y * step <= p.bottom - window.y0; ++y)
+      for (int x = first(p.left - window.x0); x * step <= p.right - window.x0; ++x) {
+        const size_t from = static_cast<size_t>(y * step) * static_cast<size_t>(window.width()) +
+                            static_cast<size_t>(x * step);
+        const size_t to =
+            3 * (static_cast<size_t>(y) * static_cast<size_t>(preview.width_px) + static_cast<size_t>(x));
+        for (size_t c = 0; c < 3; ++c)
+          out[to + c] = static_cast<std::byte>(
+              is_there[i.place()]
+                  ? encode_srgb8(decode_value(*channels[c], pixels.data() + from * image.layout.bytes))
+                  : kChequerGreys[static_cast<size_t>((x / kChequer_px + y / kChequer_px) % 2)]);
+      }
+  }
+  write_image(path, preview, {{"rayfarm/version", RAYFARM_VERSION}, {"rayfarm/partial", "yes"}});
+}
+
+}  // namespace rayfarm

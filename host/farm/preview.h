@@ -1,0 +1,21 @@
+#pragma once
+// Pictures of frames that are not whole: what there is of them, for who stopped the job and wants to see.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/image/image.h"
+#include "protocol/subpolygons.h"
+
+namespace rayfarm {
+
+/// Of a frame's file: NAME.partial.png beside it.
+std::string preview_of(const std::string& file);
+
+/// 8 bits a channel; a chequer of greys stands for subpolygons that are not there. Throws IoError, and
+/// std::runtime_error if the pixels hold no colour.
+/// \param image size, window and layout of the pixels
+void write_preview(const std::string& path, const Image& image, std::span<const std::byte> pixels,
+                   const SubpolygonGrid& grid, const std::vector<bool>& is_there);
+
+}  // namespace rayfarm
