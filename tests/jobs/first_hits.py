@@ -104,92 +104,119 @@ def sampled(material, uv):
 
 
 class Fragment:
-    """A triangle where a pixel's ray meets it. `weights`: of its corners."""
-    def __init__(self, view, mesh, face, depth, weights):
-        self.depth = depth
-        self.between = lambda of: [sum(w * of[i][c] for w, i in zip(weights, face)) for c in range(len(of[face[0]]))]
+    """A triangle where a pixel's ray meets its plane. `meet(dx, dy)`: the depth, and the weights of its corners, that far
+    from the pixel's centre."""
+    def __init__(self, view, mesh, face, meet):
+        self.mesh, self.face, self.material, self.meet = mesh, face, mesh.material, meet
+        self.depth, self.weights = meet(0, 0)
         a, b, c = (mesh.points[i] for i in face)
         normal = normalized(cross(minus(b, a), minus(c, a)))
         if mesh.is_mirrored:
             normal = [-x for x in normal]
-        to_viewer = view.forward if view.is_orthographic else minus(self.between(mesh.points), view.location)
-        self.is_front = dot(normal, to_viewer) < 0
+        to_point = view.forward if view.is_orthographic else minus(self.between(mesh.points), view.location)
+        self.is_front = dot(normal, to_point) < 0
         turned = (lambda n: n) if self.is_front else (lambda n: [-x for x in n])
         self.normal = turned(normal)
         self.shading_normal = turned(normalized(self.between(mesh.normals))) if mesh.normals else self.normal
-        self.mesh, self.material = mesh, mesh.material
 
-    def base(self):
-        """Colour and alpha."""
-        color = list(self.material.factor)
-        if self.material.image is not None and len(self.mesh.uvs) > self.material.set:
-            color = [x * y for x, y in zip(color, sampled(self.material, self.between(self.mesh.uvs[self.material.set])))]
+    def between(self, of, weights=None):
+        return [sum(w * of[i][c] for w, i in zip(weights or self.weights, self.face)) for c in range(len(of[self.face[0]]))]
+
+    def has_texture(self):
+        return self.material.image is not None and len(self.mesh.uvs) > self.material.set
+
+    def base(self, weights=None):
+        """Colour and alpha, in the pixel's centre if not elsewhere."""
+        color = self.material.factor
+        if self.has_texture():
+            uv = self.between(self.mesh.uvs[self.material.set], weights)
+            color = [x * y for x, y in zip(color, sampled(self.material, uv))]
         if self.mesh.colors:
-            color = [x * y for x, y in zip(color, self.between(self.mesh.colors))]
+            color = [x * y for x, y in zip(color, self.between(self.mesh.colors, weights))]
         return color
 
+    def mean_base(self):
+        """Over what of the triangle's plane is seen in the pixel."""
+        if not self.has_texture():
+            return self.base()
+        places = [(i + 0.5) / POINTS - 0.5 for i in range(POINTS)]
+        colors = [self.base(self.meet(x, y)[1]) for y in places for x in places]
+        return [sum(c) / len(colors) for c in zip(*colors)]
+
     def opacity(self):
+        """0: it is not there; 1: it is; between: by chance."""
         if not self.is_front and not self.material.is_double_sided:
             return 0
         if self.material.mode == "OPAQUE":
             return 1
-        alpha = self.base()[3]
+        alpha = self.mean_base()[3]
         return alpha if self.material.mode == "BLEND" else int(alpha >= self.material.cutoff)
 
 
-def all_hits(view, meshes, width, height):
-    """For each pixel what its ray meets: (depth, mesh, face, weights)."""
-    hits = [[] for _ in range(width * height)]
-    half_w, half_h = view.half_width, view.half_width * height / width
-    to_x, to_y = width / 2 / half_w, height / 2 / half_h
+POINTS = 4  # a side, for means over a pixel
+
+
+def meeting(corners, origin, along):
+    """Depth and weights where a ray meets a triangle's plane; None if it is parallel to it. As Möller and Trumbore 1997."""
+    a, u, v = corners[0], minus(corners[1], corners[0]), minus(corners[2], corners[0])
+    p = cross(along, v)
+    d = dot(u, p)
+    if d == 0:
+        return None
+    from_a = minus(origin, a)
+    q = cross(from_a, u)
+    b, c = dot(from_a, p) / d, dot(along, q) / d
+    return dot(v, q) / d, (1 - b - c, b, c)
+
+
+class Raster:
+    def __init__(self, view, width, height):
+        self.view, self.width, self.height = view, width, height
+        self.per_length = width / 2 / view.half_width  # at depth one
+
+    def ray(self, x, y):
+        """Through a place in pixels, along right, up and depth."""
+        x, y = (x - self.width / 2) / self.per_length, (self.height / 2 - y) / self.per_length
+        return ([x, y, 0], [0, 0, 1]) if self.view.is_orthographic else ([0, 0, 0], [x, y, 1])
+
+    def pixels(self, corners):
+        """Those whose centres may be in a triangle."""
+        if all(z <= 0 for _, _, z in corners):
+            return range(0), range(0)
+        if any(z <= 0 for _, _, z in corners):
+            return range(self.width), range(self.height)
+        places = [(x / (1 if self.view.is_orthographic else z), y / (1 if self.view.is_orthographic else z)) for x, y, z in corners]
+        xs = [self.width / 2 + x * self.per_length for x, _ in places]
+        ys = [self.height / 2 - y * self.per_length for _, y in places]
+        slack = 1e-6
+        span = lambda at, size: range(max(0, math.ceil(min(at) - 0.5 - slack)), min(size - 1, math.floor(max(at) - 0.5 + slack)) + 1)
+        return span(xs, self.width), span(ys, self.height)
+
+
+def all_fragments(view, meshes, width, height):
+    """Of each pixel, in no order."""
+    raster, found = Raster(view, width, height), [[] for _ in range(width * height)]
     for mesh in meshes:
         seen = [view.of(p) for p in mesh.points]
-        if view.is_orthographic:
-            raster = [(x * to_x, y * to_y) for x, y, _ in seen]
-        else:
-            raster = [(x / z * to_x, y / z * to_y) if z > 0 else None for x, y, z in seen]
         for face in mesh.faces:
-            i, k, l = face
-            corners = raster[i], raster[k], raster[l]
-            if None in corners:
-                if corners == (None, None, None):
-                    continue
-                columns, rows = range(width), range(height)
-            else:
-                (xa, ya), (xb, yb), (xc, yc) = corners
-                columns = range(max(0, math.ceil(width / 2 + min(xa, xb, xc) - 0.500001)),
-                                min(width - 1, math.floor(width / 2 + max(xa, xb, xc) - 0.499999)) + 1)
-                rows = range(max(0, math.ceil(height / 2 - max(ya, yb, yc) - 0.500001)),
-                             min(height - 1, math.floor(height / 2 - min(ya, yb, yc) - 0.499999)) + 1)
-            if not columns or not rows:
-                continue
-            a, u, v = seen[i], minus(seen[k], seen[i]), minus(seen[l], seen[i])
+            corners = [seen[i] for i in face]
+            columns, rows = raster.pixels(corners)
             for y in rows:
                 for x in columns:
-                    at_x, at_y = (x + 0.5 - width / 2) / to_x, (height / 2 - y - 0.5) / to_y
-                    origin, along = ([at_x, at_y, 0], [0, 0, 1]) if view.is_orthographic else ([0, 0, 0], [at_x, at_y, 1])
-                    # Möller and Trumbore 1997.
-                    p = cross(along, v)
-                    d = dot(u, p)
-                    if d == 0:
-                        continue
-                    from_a = minus(origin, a)
-                    b = dot(from_a, p) / d
-                    q = cross(from_a, u)
-                    c, depth = dot(along, q) / d, dot(v, q) / d
-                    if b >= 0 and c >= 0 and b + c <= 1 and depth > 0:
-                        hits[y * width + x].append((depth, mesh, face, (1 - b - c, b, c)))
-    return hits
+                    meet = lambda dx, dy, x=x, y=y, corners=corners: meeting(corners, *raster.ray(x + 0.5 + dx, y + 0.5 + dy))
+                    met = meet(0, 0)
+                    if met and met[0] > 0 and min(met[1]) >= 0:
+                        found[y * width + x].append(Fragment(view, mesh, face, meet))
+    return found
 
 
 def first_hits(view, meshes, width, height):
-    """For each pixel what may be seen there, nearest first: nothing (None) at last, unless something is opaque. Several
-    where a surface is there by chance, as alpha says."""
+    """For each pixel what may be seen there, nearest first, and at last None, for nothing, unless something is opaque.
+    Several where a surface is there by chance, as alpha says."""
     result = []
-    for hits in all_hits(view, meshes, width, height):
+    for fragments in all_fragments(view, meshes, width, height):
         seen = []
-        for hit in sorted(hits, key=lambda hit: hit[0]):
-            fragment = Fragment(view, hit[1], hit[2], hit[0], hit[3])
+        for fragment in sorted(fragments, key=lambda f: f.depth):
             opacity = fragment.opacity()
             if opacity > 0:
                 seen.append(fragment)

@@ -288,8 +288,9 @@ class Gltf:
 
 
 class Material:
-    """Of a base colour alone. Without an image it is the factor; the usual one is glTF's own."""
+    """Of a base colour alone. Without an image it is the factor; the usual one is glTF's own, and not named."""
     def __init__(self):
+        self.is_named = False
         self.factor, self.is_double_sided, self.mode, self.cutoff = [1, 1, 1, 1], False, "OPAQUE", 0.5
         self.image, self.set, self.uv_rows, self.wraps, self.is_nearest = None, 0, [[1, 0, 0], [0, 1, 0]], [10497] * 2, False
 

@@ -18,7 +18,7 @@ def materials_of(path):
             continue
         if words[0] == "newmtl":
             last = materials[" ".join(words[1:])] = Material()
-            last.is_double_sided = True
+            last.is_double_sided = last.is_named = True
         elif words[0] == "Kd":
             last.factor = [float(w) for w in words[1:4]] + [1]
         elif words[0] == "map_Kd":
@@ -44,7 +44,7 @@ def read_obj(path):
         elif words[0] == "mtllib":
             materials.update(materials_of(path.parent / " ".join(words[1:])))
         elif words[0] == "usemtl":
-            now = materials[" ".join(words[1:])]
+            now = materials.get(" ".join(words[1:]), usual)
         elif words[0] == "f":
             mesh = meshes.setdefault(id(now), Mesh())
             mesh.material = now
