@@ -241,6 +241,8 @@ class Gltf:
         if normals:
             by = [normal_matrix(m) for m in own] if has_skin else [normal_matrix(matrices[0])] * len(own)
             mesh.normals = [direction(m, n) for m, n in zip(by, normals)]
+            if has_skin or weights:  # what has been bent has unit normals again before it is interpolated
+                mesh.normals = [unit(n) for n in mesh.normals]
         # A mirrored mesh has its front where it would be without the mirror.
         mesh.is_mirrored = not has_skin and determinant(matrices[0]) < 0
         mesh.uvs = [self.accessor(attributes[f"TEXCOORD_{i}"]) for i in range(2) if f"TEXCOORD_{i}" in attributes]
