@@ -103,7 +103,8 @@ class FirstHits(JobTest):
         self.compare_files(sorted(p for p in self.asset("gltf").rglob("*") if p.suffix in (".glb", ".gltf")))
 
     def test_gltf_files_that_have_it_all(self):
-        self.compare_files([made_gltf.write_textured(self.folder / "textured.gltf"), made_gltf.write_bent(self.folder / "bent.gltf")],
+        self.compare_files([made_gltf.write_textured(self.folder / "textured.gltf"), made_gltf.write_bent(self.folder / "bent.gltf"),
+                            made_gltf.write_packed(self.folder / "packed.gltf")],
                            mean=0.01)  # texels without likeness to their neighbours
 
     def compare_files(self, paths, **how):

@@ -1,4 +1,4 @@
-"""glTF files made to have what few real ones have together: mirrored and sheared nodes, skins and targets with normals,
+"""glTF files made to have what few real ones have together: mirrored, sheared and deep nodes, skins and targets with normals,
 strips and fans, two sets of coordinates, moved textures of odd sizes, colours of vertices, alpha that cuts."""
 import base64
 import json
@@ -26,7 +26,7 @@ class Maker:
         self.bytes = b""
 
     def accessor(self, rows, code=5126, kind=None, normalized=False):
-        form = {5126: "f", 5121: "B", 5123: "H"}[code]
+        form = {5120: "b", 5121: "B", 5122: "h", 5123: "H", 5126: "f"}[code]
         rows = [row if isinstance(row, (list, tuple)) else [row] for row in rows]
         size = len(rows[0]) * struct.calcsize(form)
         stride = (size + 3) // 4 * 4 if len(rows[0]) > 1 else size
@@ -100,6 +100,37 @@ def write_textured(path):
     m.add("nodes", {"mesh": 0, "scale": [-1, 1, -1], "translation": [-0.2, -0.9, 0.6]})  # its back, but for the mirror
     # By columns, with a negative determinant.
     m.add("nodes", {"mesh": 1, "matrix": [0.8, 0.1, 0.3, 0, 0.2, -0.9, 0, 0, 0.1, 0.2, 1.1, 0, 0, 1.9, 0.1, 1]})
+    return m.write(path)
+
+
+def write_packed(path):
+    """Small integers for numbers (KHR_mesh_quantization), a sparse accessor, alpha of vertices that is all or nothing, and
+    another scene than the first, 80 nodes deep."""
+    m = Maker()
+    m.json["extensionsUsed"] = m.json["extensionsRequired"] = ["KHR_mesh_quantization"]
+    points, normals, uvs, faces = sheet()
+    m.json["images"] = [{"uri": uri(png(5, 3, spotted), "image/png")}]
+    m.json["textures"] = [{"source": 0}]
+    m.add("materials", {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "doubleSided": True})
+    m.add("materials", {"pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.9, 0.4, 1]}, "alphaMode": "BLEND", "doubleSided": True})
+    changed = [20, 47, 88]
+    values = [round(2000 * c) + by for i in changed for c, by in zip(points[i], (90, -70, 60))]
+    place = m.accessor([[round(2000 * c) for c in p] for p in points], 5122)
+    m.json["accessors"][place]["sparse"] = {
+        "count": 3, "indices": {"bufferView": m.json["accessors"][m.accessor(changed, 5121)]["bufferView"], "componentType": 5121},
+        "values": {"bufferView": m.json["accessors"][m.accessor(values, 5122)]["bufferView"]}}
+    attributes = {"POSITION": place, "NORMAL": m.accessor([[round(127 * c) for c in n] for n in normals], 5120, normalized=True),
+                  "TEXCOORD_0": m.accessor([[round(255 * c) for c in uv] for uv in uvs], 5121, normalized=True)}
+    seen = [[255, 255, 255, 0 if i % 13 < 6 else 255] for i in range(len(points))]
+    flat = {"POSITION": m.accessor([[10 * x, 10 * y, 2] for x, y, _ in points]), "COLOR_0": m.accessor(seen, 5121, normalized=True)}
+    order = m.accessor(faces, 5121)
+    m.add("meshes", {"primitives": [{"attributes": attributes, "indices": order, "material": 0}]})
+    m.add("meshes", {"primitives": [{"attributes": flat, "indices": order, "material": 1}]})
+    for i in range(80):
+        m.add("nodes", {"children": [i + 1], "rotation": [0, 0, math.sin(0.004), math.cos(0.004)], "scale": [1.01, 0.995, 1]})
+    m.add("nodes", {"mesh": 0, "scale": [0.0005, 0.0007, 0.0005]})
+    m.add("nodes", {"mesh": 1, "scale": [0.05, 0.05, 0.3]})
+    m.json["scenes"], m.json["scene"] = [{"nodes": [81]}, {"nodes": [0, 81]}], 1
     return m.write(path)
 
 
