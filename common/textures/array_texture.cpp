@@ -5,6 +5,7 @@
 
 #include "common/image/half_float.h"
 #include "common/math/portable_math.h"
+#include "common/textures/halving.h"
 
 namespace rayfarm {
 namespace {
@@ -19,31 +20,24 @@ struct Level {
   const glm::vec3& at(size_t x, size_t y, size_t z) const { return cells[(z * size[1] + y) * size[0] + x]; }
 };
 
-/// Where the cells begin that cell `i` of half as many covers, two or three each way.
-size_t begin_of(size_t i, uint32_t count, uint32_t above) {
-  return i * above / count;
-}
-
 Level halved(const Level& above, const std::stop_token& stop) {
+  const Halving wide(above.size[0]), high(above.size[1]), deep(above.size[2]);
   Level level;
-  for (size_t axis = 0; axis < 3; ++axis) level.size[axis] = std::max(1u, above.size[axis] / 2);
-  const auto range = [&](size_t axis, size_t i) {
-    return std::array{begin_of(i, level.size[axis], above.size[axis]),
-                      begin_of(i + 1, level.size[axis], above.size[axis])};
-  };
-  level.cells.reserve(size_t{level.size[0]} * level.size[1] * level.size[2]);
-  for (size_t z = 0; z < level.size[2]; ++z)
-    for (size_t y = 0; y < level.size[1]; ++y) {
+  for (size_t axis = 0; axis < 3; ++axis)
+    level.size[axis] = static_cast<uint32_t>(Halving(above.size[axis]).count());
+  level.cells.reserve(wide.count() * high.count() * deep.count());
+  for (size_t z = 0; z < deep.count(); ++z)
+    for (size_t y = 0; y < high.count(); ++y) {
       throw_if_stopped(stop);
-      const auto [z0, z1] = range(2, z);
-      const auto [y0, y1] = range(1, y);
-      for (size_t x = 0; x < level.size[0]; ++x) {
-        const auto [x0, x1] = range(0, x);
+      for (size_t x = 0; x < wide.count(); ++x) {
         Vec3 sum(0);
-        for (size_t c = z0; c < z1; ++c)
-          for (size_t b = y0; b < y1; ++b)
-            for (size_t a = x0; a < x1; ++a) sum += Vec3(above.at(a, b, c));
-        level.cells.emplace_back(sum / static_cast<double>((x1 - x0) * (y1 - y0) * (z1 - z0)));
+        for (size_t c = deep.begin(z); c < deep.end(z); ++c)
+          for (size_t b = high.begin(y); b < high.end(y); ++b) {
+            const double part = deep.share(z, c) * high.share(y, b);
+            for (size_t a = wide.begin(x); a < wide.end(x); ++a)
+              sum += part * wide.share(x, a) * Vec3(above.at(a, b, c));
+          }
+        level.cells.emplace_back(sum);
       }
     }
   return level;

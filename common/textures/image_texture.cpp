@@ -2,6 +2,7 @@
 
 #include "common/image/half_float.h"
 #include "common/image/pixel_format.h"
+#include "common/textures/halving.h"
 
 namespace rayfarm {
 namespace {
@@ -11,34 +12,30 @@ namespace {
 class Level {
  public:
   Level(size_t above_columns, size_t above_rows)
-      : columns(std::max<size_t>(1, above_columns / 2)),
-        rows(std::max<size_t>(1, above_rows / 2)),
-        pixels(columns * rows, Color(0)),
-        above_columns_(above_columns),
-        above_rows_(above_rows) {}
+      : across_(above_columns),
+        down_(above_rows),
+        columns(across_.count()),
+        rows(down_.count()),
+        pixels(columns * rows, Color(0)) {}
 
   void add(std::span<const Color> row) {
-    Color* const sums = &pixels[row_ * columns];
-    // All pixels that one here covers, two or three each way.
-    for (size_t x = 0; x < columns; ++x)
-      for (size_t u = begin(x, columns, above_columns_); u < begin(x + 1, columns, above_columns_); ++u)
-        sums[x] += row[u];
-    ++seen_;
-    if (++above_row_ < begin(row_ + 1, rows, above_rows_)) return;
-    for (size_t x = 0; x < columns; ++x)
-      sums[x] /= static_cast<double>(
-          seen_ * (begin(x + 1, columns, above_columns_) - begin(x, columns, above_columns_)));
-    ++row_;
-    seen_ = 0;
+    for (size_t y = down_.first_with(above_row_); y <= down_.last_with(above_row_); ++y) {
+      const double part = down_.share(y, above_row_);
+      Color* const sums = &pixels[y * columns];
+      for (size_t x = 0; x < columns; ++x)
+        for (size_t u = across_.begin(x); u < across_.end(x); ++u)
+          sums[x] += part * across_.share(x, u) * row[u];
+    }
+    ++above_row_;
   }
 
+ private:
+  Halving across_, down_;
+  size_t above_row_ = 0;
+
+ public:
   size_t columns, rows;
   std::vector<Color> pixels;
-
- private:
-  static size_t begin(size_t i, size_t count, size_t above) { return i * above / count; }
-
-  size_t above_columns_, above_rows_, above_row_ = 0, row_ = 0, seen_ = 0;
 };
 
 void append_halves(std::span<const Color> row, std::vector<uint16_t>& texels) {

@@ -1,5 +1,5 @@
-"""A reader of glTF 2.0 that shares nothing with Rayfarm's: what triangles there are in the world at a time of the
-first clip."""
+"""A reader of glTF 2.0 that shares nothing with Rayfarm's: what triangles there are in the world at a time of a clip,
+with all that says how they look."""
 import base64
 import json
 import math
@@ -18,6 +18,28 @@ def product(a, b):
 
 def point(m, p):
     return [m[i][0] * p[0] + m[i][1] * p[1] + m[i][2] * p[2] + m[i][3] for i in range(3)]
+
+
+def cofactors(m):
+    """Of the linear part."""
+    def cofactor(i, j):
+        (a, b), (c, d) = [[m[r][c] for c in range(3) if c != j] for r in range(3) if r != i]
+        return (a * d - b * c) * (-1)**(i + j)
+    return [[cofactor(i, j) for j in range(3)] for i in range(3)]
+
+
+def determinant(m):
+    return sum(m[0][j] * c for j, c in enumerate(cofactors(m)[0]))
+
+
+def normal_matrix(m):
+    """The inverse transposed, to a positive factor."""
+    sign = -1 if determinant(m) < 0 else 1
+    return [[sign * c for c in row] for row in cofactors(m)]
+
+
+def direction(m, n):
+    return [m[i][0] * n[0] + m[i][1] * n[1] + m[i][2] * n[2] for i in range(3)]
 
 
 def of_columns(values):
@@ -54,6 +76,7 @@ def slerp(a, b, t):
 class Gltf:
     def __init__(self, path):
         path = pathlib.Path(path)
+        self.folder = path.parent
         data = path.read_bytes()
         chunk = b""
         if data[:4] == b"glTF":
@@ -99,10 +122,15 @@ class Gltf:
             values = [[max(x / LARGEST[code], -1) for x in value] for value in values]
         return values
 
-    def animated(self, time):
-        """What the first clip sets, by (node, path)."""
+    def length(self, clip=0):
+        """The time of the clip's last key; 0 if there is none."""
+        clips = self.json.get("animations", [])[clip:clip + 1]
+        return max((t[0] for c in clips for s in c["samplers"] for t in self.accessor(s["input"])), default=0)
+
+    def animated(self, time, clip=0):
+        """What a clip sets, by (node, path)."""
         result = {}
-        for animation in self.json.get("animations", [])[:1]:
+        for animation in self.json.get("animations", [])[clip:clip + 1]:
             for channel in animation["channels"]:
                 sampler, target = animation["samplers"][channel["sampler"]], channel["target"]
                 times = [t[0] for t in self.accessor(sampler["input"])]
@@ -130,10 +158,9 @@ class Gltf:
                 result[target.get("node"), path] = unit(now) if path == "rotation" else now
         return result
 
-    def triangles(self, time):
-        """Each as three points of the world."""
-        nodes, moved = self.json.get("nodes", []), self.animated(time)
-        worlds = {}
+    def placed(self, moved):
+        """By node of the scene: the matrix that leads from it to the world."""
+        nodes, worlds = self.json.get("nodes", []), {}
 
         def place(index, above):
             node = nodes[index]
@@ -150,6 +177,18 @@ class Gltf:
             i for i in range(len(nodes)) if i not in children]
         for root in roots:
             place(root, IDENTITY)
+        return worlds
+
+    def cameras(self, time, clip=0):
+        """Each as what the file says of it and the matrix of its node."""
+        nodes = self.json.get("nodes", [])
+        return [(self.json["cameras"][nodes[i]["camera"]], world)
+                for i, world in self.placed(self.animated(time, clip)).items() if "camera" in nodes[i]]
+
+    def meshes(self, time, clip=0):
+        """All primitives with triangles, in the world."""
+        nodes, moved = self.json.get("nodes", []), self.animated(time, clip)
+        worlds = self.placed(moved)
         for index, world in worlds.items():
             node = nodes[index]
             if "mesh" not in node:
@@ -163,17 +202,27 @@ class Gltf:
                 matrices = [product(worlds[joint], of_columns(inverse[j]) if inverse else IDENTITY)
                             for j, joint in enumerate(skin["joints"])]
             for primitive in mesh["primitives"]:
-                yield from self.faces(primitive, matrices, weights, "skin" in node)
+                if primitive.get("mode", 4) >= 4:
+                    yield self.mesh(primitive, matrices, weights, "skin" in node)
 
-    def faces(self, primitive, matrices, weights, has_skin):
-        mode = primitive.get("mode", 4)
-        if mode < 4:
-            return
-        attributes = primitive["attributes"]
-        points = self.accessor(attributes["POSITION"])
-        for weight, target in zip(weights or [0] * len(primitive.get("targets", [])), primitive.get("targets", [])):
-            if "POSITION" in target and weight != 0:
-                points = [[x + weight * d for x, d in zip(p, by)] for p, by in zip(points, self.accessor(target["POSITION"]))]
+    def triangles(self, time):
+        """Each as three points of the world."""
+        for mesh in self.meshes(time):
+            for face in mesh.faces:
+                yield [mesh.points[i] for i in face]
+
+    def mesh(self, primitive, matrices, weights, has_skin):
+        mode, attributes = primitive.get("mode", 4), primitive["attributes"]
+        morphed = {}
+        for name in ("POSITION", "NORMAL"):
+            if name not in attributes:
+                continue
+            values = self.accessor(attributes[name])
+            for weight, target in zip(weights or [], primitive.get("targets", [])):
+                if name in target and weight != 0:
+                    values = [[x + weight * d for x, d in zip(p, by)] for p, by in zip(values, self.accessor(target[name]))]
+            morphed[name] = values
+        points, normals = morphed["POSITION"], morphed.get("NORMAL")
         if has_skin:
             influences = [[] for _ in points]
             for i in range(8):
@@ -181,14 +230,26 @@ class Gltf:
                     for row, joints, shares in zip(influences, self.accessor(attributes[f"JOINTS_{i}"]),
                                                    self.accessor(attributes[f"WEIGHTS_{i}"])):
                         row.extend((j, w) for j, w in zip(joints, shares) if w > 0)
-            bent = []
-            for p, row in zip(points, influences):
+            own = []
+            for row in influences:
                 total = sum(w for _, w in row)
-                moved = [(w / total, point(matrices[j], p)) for j, w in row]
-                bent.append([sum(w * m[i] for w, m in moved) for i in range(3)])
-            points = bent
+                own.append([[sum(w / total * matrices[j][i][k] for j, w in row) for k in range(4)] for i in range(3)])
         else:
-            points = [point(matrices[0], p) for p in points]
+            own = [matrices[0]] * len(points)
+        mesh = Mesh()
+        mesh.points = [point(m, p) for m, p in zip(own, points)]
+        if normals:
+            by = [normal_matrix(m) for m in own] if has_skin else [normal_matrix(matrices[0])] * len(own)
+            mesh.normals = [direction(m, n) for m, n in zip(by, normals)]
+            if has_skin or weights:  # what has been bent has unit normals again before it is interpolated
+                mesh.normals = [unit(n) for n in mesh.normals]
+        # A mirrored mesh has its front where it would be without the mirror.
+        mesh.is_mirrored = not has_skin and determinant(matrices[0]) < 0
+        mesh.uvs = [self.accessor(attributes[f"TEXCOORD_{i}"]) for i in range(2) if f"TEXCOORD_{i}" in attributes]
+        if "COLOR_0" in attributes:
+            mesh.colors = [c + [1] * (4 - len(c)) for c in self.accessor(attributes["COLOR_0"])]
+        if "material" in primitive:
+            mesh.material = self.material(self.json["materials"][primitive["material"]])
         order = [i[0] for i in self.accessor(primitive["indices"])] if "indices" in primitive else list(range(len(points)))
         if mode == 4:
             corners = [order[i:i + 3] for i in range(0, len(order) - 2, 3)]
@@ -196,9 +257,51 @@ class Gltf:
             corners = [(order[i], order[i + 1 + i % 2], order[i + 2 - i % 2]) for i in range(len(order) - 2)]
         else:
             corners = [(order[i + 1], order[i + 2], order[0]) for i in range(len(order) - 2)]
-        for face in corners:
-            if mode == 4 or len(set(face)) == 3:
-                yield [points[i] for i in face]
+        mesh.faces = [face for face in corners if mode == 4 or len(set(face)) == 3]
+        return mesh
+
+    def material(self, m):
+        pbr, result = m.get("pbrMetallicRoughness", {}), Material()
+        result.factor = pbr.get("baseColorFactor", [1, 1, 1, 1])
+        result.is_double_sided = m.get("doubleSided", False)
+        result.mode, result.cutoff = m.get("alphaMode", "OPAQUE"), m.get("alphaCutoff", 0.5)
+        info = pbr.get("baseColorTexture")
+        if info is None:
+            return result
+        moved = info.get("extensions", {}).get("KHR_texture_transform", {})
+        result.set = moved.get("texCoord", info.get("texCoord", 0))
+        (u, v), (a, b), turn = moved.get("offset", [0, 0]), moved.get("scale", [1, 1]), moved.get("rotation", 0)
+        # Translation * rotation * scale, as the extension writes them down.
+        result.uv_rows = [[math.cos(turn) * a, math.sin(turn) * b, u], [-math.sin(turn) * a, math.cos(turn) * b, v]]
+        texture = self.json["textures"][info["index"]]
+        sampler = self.json["samplers"][texture["sampler"]] if "sampler" in texture else {}
+        result.wraps = [sampler.get("wrapS", 10497), sampler.get("wrapT", 10497)]
+        result.is_nearest = sampler.get("magFilter") == 9728
+        image = self.json["images"][texture["source"]]
+        if "bufferView" in image:
+            view = self.json["bufferViews"][image["bufferView"]]
+            begin = view.get("byteOffset", 0)
+            result.image = self.buffers[view["buffer"]][begin:begin + view["byteLength"]]
+        elif image["uri"].startswith("data:"):
+            result.image = base64.b64decode(image["uri"].split(",", 1)[1])
+        else:
+            result.image = (self.folder / urllib.parse.unquote(image["uri"])).read_bytes()
+        return result
+
+
+class Material:
+    """Of a base colour alone. Without an image it is the factor; the usual one is glTF's own, and not named."""
+    def __init__(self):
+        self.is_named = False
+        self.factor, self.is_double_sided, self.mode, self.cutoff = [1, 1, 1, 1], False, "OPAQUE", 0.5
+        self.image, self.set, self.uv_rows, self.wraps, self.is_nearest = None, 0, [[1, 0, 0], [0, 1, 0]], [10497] * 2, False
+
+
+class Mesh:
+    """Points and normals of the world, and what else stands at them; v of coordinates runs down."""
+    def __init__(self):
+        self.points, self.normals, self.uvs, self.colors, self.faces = [], None, [], None, []
+        self.material, self.is_mirrored = Material(), False
 
 
 def facts(path, time):

@@ -1,9 +1,12 @@
-// What a loader made of a file, in numbers that other programs can find for themselves: mesh_facts FILE FRAME
-// prints triangles, bounds and area in the world as a line of JSON. Shapes change as the description says,
-// not as the renderer does it.
+// What a loader made of a file, in numbers that other programs can find for themselves. mesh_facts FILE FRAME
+// prints triangles, bounds and area in the world as a line of JSON; shapes change as the description says,
+// not as the renderer does it. mesh_facts FILE FRAME WIDTH HEIGHT CAMERA CLIP [X Y Z X Y Z DEGREES] prints
+// what the renderer meets (first_hits.h), by the camera and in the clip of these names or numbers ('': the
+// first), or seen from a point towards another. A frame is a millisecond.
 #include <fmt/core.h>
 
 #include "common/description/scene_description.h"
+#include "tests/jobs/first_hits.h"
 
 namespace rayfarm {
 namespace {
@@ -73,20 +76,41 @@ void add(const SceneDescription& scene, uint32_t object, const Affine& world, do
 }  // namespace
 }  // namespace rayfarm
 
+namespace rayfarm {
+namespace {
+
+void print_facts(const SceneDescription& scene, double frame) {
+  Facts facts;
+  add(scene, scene.root, {}, frame, facts);
+  const Box& b = facts.bounds;
+  fmt::print(
+      "{{\"triangles\": {}, \"low\": [{}, {}, {}], \"high\": [{}, {}, {}], \"area\": {}, \"last\": {}}}\n",
+      facts.triangles, b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z, facts.area,
+      scene.frames ? (*scene.frames)[1] : 0);
+}
+
+}  // namespace
+}  // namespace rayfarm
+
 int main(int argc, char** argv) {
   using namespace rayfarm;
-  if (argc < 3) return 2;
+  if (argc != 3 && argc != 7 && argc != 14) return 2;
   try {
     LoadOptions options;
     options.fps = 1000;  // so that the frame is the time in milliseconds
-    const SceneDescription scene = load_scene(argv[1], options);
-    Facts facts;
-    add(scene, scene.root, {}, std::stod(argv[2]), facts);
-    const Box& b = facts.bounds;
-    fmt::print(
-        "{{\"triangles\": {}, \"low\": [{}, {}, {}], \"high\": [{}, {}, {}], \"area\": {}, \"last\": {}}}\n",
-        facts.triangles, b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z, facts.area,
-        scene.frames ? (*scene.frames)[1] : 0);
+    if (argc == 3) {
+      print_facts(load_scene(argv[1], options), std::stod(argv[2]));
+      return 0;
+    }
+    options.camera = argv[5];
+    options.clip = argv[6];
+    SceneDescription scene = load_scene(argv[1], options);
+    std::optional<SimpleView> view;
+    if (argc == 14) {
+      const auto number = [&](int i) { return std::stod(argv[i]); };
+      view = {{number(7), number(8), number(9)}, {number(10), number(11), number(12)}, number(13)};
+    }
+    print_first_hits(scene, std::stoi(argv[2]), std::stoi(argv[3]), std::stoi(argv[4]), view);
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}\n", e.what());
     return 3;

@@ -4,6 +4,7 @@
 #include "common/image/half_float.h"
 #include "common/image/image_file.h"
 #include "common/lighting/textured.h"
+#include "common/textures/array_texture.h"
 #include "common/textures/image_texture.h"
 #include "common/textures/noise.h"
 #include "tests/unit/test_scene.h"
@@ -126,6 +127,37 @@ TEST(Textures, ImagesAreReadInterpolatedAndHalved) {
   EXPECT_NEAR(at(0.5, 0.5, 0), 0.5, 1e-9);     // between the two middle texels
   EXPECT_NEAR(at(1.25, 0.5, 0), 1, 1e-9);      // repeated
   EXPECT_NEAR(at(0.25, 0.5, 100), 0.5, 1e-3);  // from afar: the mean
+}
+
+TEST(Textures, LevelsOfOddSizesKeepTheMean) {
+  // 7 × 5 texels, of which no two are alike and the last are the brightest; encoded as light is.
+  Image image;
+  image.width_px = 7;
+  image.height_px = 5;
+  image.window = {0, 0, 7, 5};
+  image.layout = make_pixel_layout(PixelFormat::rgb8);
+  double mean = 0;
+  for (int i = 0; i < 35; ++i) {
+    for (int c = 0; c < 3; ++c) image.pixels.push_back(static_cast<std::byte>(7 * i));
+    mean += 7 * i / 255.0 / 35;
+  }
+  const std::string path = test::write_temporary("odd.png", "");
+  write_image(path, image, {});
+  Texture t;
+  const std::vector<uint16_t> texels =
+      load_texels(path, t, limits::kTexturePixels, {}, {ImagePart::color, ImageReading::Encoding::linear});
+  ASSERT_EQ(texels.size(), 3u * (35 + 3 * 2 + 1));
+  double level_mean = 0;
+  for (size_t i = 35; i < 41; ++i) level_mean += static_cast<double>(float_of_half(texels[3 * i])) / 6;
+  EXPECT_NEAR(level_mean, mean, 5e-4);  // halves
+  EXPECT_NEAR(static_cast<double>(float_of_half(texels[3 * 41])), mean, 5e-4);
+
+  ArrayValues array{{5, 3, 1}, 1, {}};
+  for (int i = 0; i < 15; ++i) array.values.push_back(static_cast<float>(i) / 15);
+  Texture space;
+  const std::vector<uint16_t> cells = make_array_texels(array, space, {});
+  ASSERT_EQ(cells.size(), 3u * (15 + 2 + 1));
+  EXPECT_NEAR(static_cast<double>(float_of_half(cells[3 * 17])), 7.0 / 15, 5e-4);
 }
 
 struct Parameters {
