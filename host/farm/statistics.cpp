@@ -52,6 +52,7 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
                             {"height", settings.crop.height()},
                             {"sha256_pixels", last_sha256},
                             {"pixel_format", name_of(settings.pixel_format)}};
+  j["resumed_pixels"] = result.pixels_resumed;
   j["ranks"] = ranks;
   j["scene"] = Json::Object{{"bytes", result.scene_bytes}};
   j["nodes_lost"] = to_json(result.lost_nodes());

@@ -23,6 +23,7 @@
 #include "tests/fuzz/gltf_seeds.h"
 #include "tests/fuzz/grid_seeds.h"
 #include "tests/fuzz/image_bytes.h"
+#include "tests/fuzz/journal_bytes.h"
 #include "tests/fuzz/mesh_seeds.h"
 #include "tests/fuzz/messages.h"
 #include "tests/fuzz/zone_bytes.h"
@@ -356,6 +357,10 @@ std::vector<Target> make_targets(const std::string& path) {
        block_seeds(),
        {},
        true},
+      {"journal",
+       [folder](const std::string& bytes) { read_journal_bytes(folder, bytes); },
+       {journal_seed(folder)},
+       {"rayfarm-journal 1\n", "\ncolumns ", "\nrows "}},
       {"zones", [path](const std::string& bytes) { read_zones(path, bytes); }, zone_seeds(path), {}},
   };
 }

@@ -295,7 +295,7 @@ class Interrupted(JobTestAlone):
     def test_interrupt_alone(self):
         code, stderr = self.interrupt(signal.SIGINT)
         self.assertEqual(code, 75)
-        self.assertIn("--skip-existing", stderr)
+        self.assertIn("--resume", stderr)
 
     def test_terminate_alone(self):
         self.assertEqual(self.interrupt(signal.SIGTERM)[0], 75)
