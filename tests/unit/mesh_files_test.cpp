@@ -208,6 +208,27 @@ double area_of(const CompiledScene& compiled, const Box& hole = {}) {
   return sum;
 }
 
+TEST(ObjLoader, ALibraryWithBlanksInItsNameIsMissedOnce) {
+  const SceneDescription scene = load_mesh("mtllib no such file.mtl\n" + kTriangle + kFace);
+  expect_note(scene, "mesh.obj:1:8:", "no such file.mtl: no such file");
+  EXPECT_EQ(scene.notes.lines().size(), 1u) << notes_of(scene);
+}
+
+TEST(ObjLoader, NormalsWithoutADirectionLeaveFacesFlat) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 0\nvn 0 0 2\n",
+                    rest = "f 1//2 2//2 3//2\nf 1//2 2//2 3//2 4//2\n";
+  const SceneDescription scene = load_mesh(points + "f 1//1 2//2 3//2\nf 1//2 2//2 3//2 4//1\n" + rest);
+  expect_note(scene, "mesh.obj:5:", "a normal without a direction, at which faces are flat, is not used");
+  const CompiledScene compiled = compile(scene);
+  const Scene& s = compiled.scene;
+  ASSERT_EQ(s.triangle_shading.size(), 2u);
+  EXPECT_EQ(s.triangle_shading[0].normals[1], kNone);
+  EXPECT_NE(s.triangle_shading[1].normals[1], kNone);
+  ASSERT_EQ(s.mesh_faces.size(), 2u);
+  EXPECT_EQ(s.mesh_faces[0].first_normal, kNone);
+  EXPECT_NE(s.mesh_faces[1].first_normal, kNone);
+}
+
 TEST(ObjLoader, FacesAreCutIntoTrianglesThatCoverThemOnce) {
   // An L whose inner corner the fan from its first corner would cover: 3 squares.
   const CompiledScene l = compile(

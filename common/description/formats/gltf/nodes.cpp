@@ -15,6 +15,26 @@ namespace {
 constexpr size_t kMostDepth =
     limits::kObjectDepth - 100;  // of nodes: the scene may use the file deep in itself
 
+double bytes_of(const Curve& curve) {
+  return static_cast<double>(sizeof(Curve) + curve.frames.size() * sizeof(double) +
+                             curve.values.size() * sizeof(Vec4));
+}
+
+/// What a node needs for a mesh of its own as it is read, without its joints and the curves of its weights.
+/// Compiled, it takes about as much again.
+double bytes_of(const MeshShape& mesh) {
+  const auto bytes = [](const auto& values) {
+    return static_cast<double>(values.size() * sizeof(values[0]));
+  };
+  double sum = bytes(mesh.positions) + bytes(mesh.triangles) + bytes(mesh.normals) +
+               bytes(mesh.triangle_normals) + bytes(mesh.uvs) + bytes(mesh.triangle_uvs) +
+               bytes(mesh.second_uvs) + bytes(mesh.colors);
+  if (!mesh.deformation) return sum;
+  sum += bytes(mesh.deformation->joint_of) + bytes(mesh.deformation->weights) + bytes(mesh.deformation->targets);
+  for (const DeformationDescription::Target& target : mesh.deformation->targets) sum += bytes(target.deltas);
+  return sum;
+}
+
 }  // namespace
 
 GltfNodes::GltfNodes(const GltfFile& file, SceneDescription& scene, const GltfAnimation& animation,
@@ -88,6 +108,8 @@ void GltfNodes::collect(const std::vector<uint32_t>& roots) {
     const GltfValue value = file_.item("nodes", node);
     if (depth > kMostDepth) value.fail(fmt::format("nodes are nested more than {} deep", kMostDepth));
     order_.push_back(node);
+    if (value.has("matrix") && (value.has("translation") || value.has("rotation") || value.has("scale")))
+      ++doubled_places_;
     if (const auto children = value.find("children"))
       for (size_t i = children->size(); i-- > 0;)
         open.emplace_back(static_cast<uint32_t>((*children)[i].whole_number()), depth + 1);
@@ -148,7 +170,8 @@ std::optional<std::vector<DeformationDescription::Joint>> GltfNodes::joints_of(u
     if (joints[j].bone == kNone) return std::nullopt;  // it is in another scene of the file
   }
   const uint32_t matrices = value.index("inverseBindMatrices", file_.count("accessors"));
-  if (matrices == kNone) return joints;
+  if (joints.empty()) empty_skins_.insert(skin);
+  if (matrices == kNone || joints.empty()) return joints;
   const GltfAccessor accessor(file_, matrices);
   accessor.expect_components({16});
   if (accessor.count() < joints.size())
@@ -166,25 +189,45 @@ std::optional<std::vector<DeformationDescription::Joint>> GltfNodes::joints_of(u
   return joints;
 }
 
+void GltfNodes::count_copies() {
+  for (const uint32_t node : order_) {
+    const GltfValue value = file_.item("nodes", node);
+    const uint32_t mesh = value.index("mesh", file_.count("meshes")),
+                   skin = value.index("skin", file_.count("skins"));
+    if (mesh == kNone || (skin == kNone && file_.morph_targets(mesh) == 0)) continue;
+    ++copies_[{mesh, skin != kNone}].nodes;
+    // Each primitive has the joints and the curves of the weights.
+    double bytes = 0;
+    if (skin != kNone)
+      bytes += static_cast<double>(file_.item("skins", skin).at("joints").size() *
+                                   sizeof(DeformationDescription::Joint));
+    if (const GltfMotion* const motion = animation_.find(node))
+      for (const Curve& curve : motion->weights) bytes += bytes_of(curve);
+    file_.take_copies(value,
+                      bytes * static_cast<double>(file_.item("meshes", mesh).at("primitives").size()));
+  }
+}
+
+void GltfNodes::add_shared(uint32_t node, uint32_t mesh) {
+  const auto [known, is_new] = mesh_objects_.try_emplace(mesh, kNone);
+  if (is_new) {
+    std::vector<PrimitiveDescription> primitives = meshes_.primitives(mesh, nullptr);
+    if (primitives.empty()) return;
+    known->second = add_object(file_.name_of(file_.item("meshes", mesh)));
+    scene_.objects[known->second].primitives = std::move(primitives);
+  }
+  if (known->second == kNone) return;
+  const uint32_t user = object_of(node);
+  for (std::vector<TransformStep>& copy : copies_of(file_.item("nodes", node)))
+    scene_.objects[user].children.push_back({known->second, std::move(copy), place_});
+}
+
 void GltfNodes::add_mesh(uint32_t node, uint32_t mesh) {
   const GltfValue value = file_.item("nodes", node);
   const uint32_t skin = value.index("skin", file_.count("skins"));
   const size_t targets = file_.morph_targets(mesh);
-  if (skin == kNone && targets == 0) {
-    // Nodes that use the same mesh share one object.
-    const auto [known, is_new] = mesh_objects_.try_emplace(mesh, kNone);
-    if (is_new) {
-      std::vector<PrimitiveDescription> primitives = meshes_.primitives(mesh, nullptr);
-      if (primitives.empty()) return;
-      known->second = add_object(file_.name_of(file_.item("meshes", mesh)));
-      scene_.objects[known->second].primitives = std::move(primitives);
-    }
-    if (known->second == kNone) return;
-    const uint32_t user = object_of(node);
-    for (std::vector<TransformStep>& copy : copies_of(value))
-      scene_.objects[user].children.push_back({known->second, std::move(copy), place_});
-    return;
-  }
+  if (targets == 0 && (value.has("weights") || file_.item("meshes", mesh).has("weights"))) ++idle_weights_;
+  if (skin == kNone && targets == 0) return add_shared(node, mesh);
   GltfDeformer deformer;
   if (skin != kNone) {
     auto joints = joints_of(skin);
@@ -196,16 +239,31 @@ void GltfNodes::add_mesh(uint32_t node, uint32_t mesh) {
     deformer.joints = std::move(*joints);
   }
   deformer.weights = animation_.weights_of(node, targets);
+  Copies& all = copies_[{mesh, skin != kNone}];
+  deformer.is_copy = all.is_read;
+  std::vector<PrimitiveDescription> primitives = meshes_.primitives(mesh, &deformer);
+  if (!std::exchange(all.is_read, true)) {
+    double bytes = 0;
+    for (const PrimitiveDescription& primitive : primitives)
+      bytes += bytes_of(std::get<MeshShape>(primitive.shape));
+    file_.take_copies(value, bytes * static_cast<double>(all.nodes - 1));  // before the others are made
+  }
+  std::vector<std::vector<TransformStep>> copies = copies_of(value);
   // A mesh with a skin moves with its bones alone; others, and what of it has no joints, with the node.
   uint32_t in_skin = kNone, in_node = kNone, as_it_is = kNone;
-  for (PrimitiveDescription& primitive : meshes_.primitives(mesh, &deformer)) {
+  for (PrimitiveDescription& primitive : primitives) {
     const auto& deformation = std::get<MeshShape>(primitive.shape).deformation;
     const bool is_skinned = deformation && deformation->skeleton != kNone;
     uint32_t& object = is_skinned ? in_skin : deformation ? in_node : as_it_is;
     if (object == kNone) {
       object = add_object(file_.name_of(value));
       const uint32_t user = is_skinned ? root_ : object_of(node);
-      scene_.objects[user].children.push_back({object, {}, place_});
+      if (is_skinned) skinned_copies_ += copies.size() - 1;
+      for (const std::vector<TransformStep>& copy : copies) {
+        scene_.objects[user].children.push_back(
+            {object, is_skinned ? std::vector<TransformStep>() : copy, place_});
+        if (is_skinned) break;  // all of them would stand in its place
+      }
     }
     scene_.objects[object].primitives.push_back(std::move(primitive));
   }
@@ -312,6 +370,7 @@ uint32_t GltfNodes::add_all() {
   root_ = add_object(file_.path());
   collect(roots());
   make_skeleton();
+  count_copies();
   for (const uint32_t node : order_) add_content(node);
   scene_.files.insert(scene_.files.end(), file_.files().begin(), file_.files().end());
   return root_;
@@ -332,6 +391,18 @@ void GltfNodes::add_notes() {
   if (hidden_skins_ > 0)
     add(fmt::format("{} meshes whose skins have joints that the scene doesn't show are left out",
                     hidden_skins_));
+  if (skinned_copies_ > 0)
+    add(fmt::format("{} copies that EXT_mesh_gpu_instancing makes of meshes with skins are left out: such a "
+                    "mesh stands where its joints are, and all its copies would stand in one place",
+                    skinned_copies_));
+  for (const uint32_t skin : empty_skins_)
+    add(fmt::format("skins[{}] has no joints: meshes stand in it as they are without a skin", skin));
+  if (idle_weights_ > 0)
+    add(fmt::format("`weights` of {} nodes are not used: their meshes have no morph targets", idle_weights_));
+  if (doubled_places_ > 0)
+    add(fmt::format("translation, rotation or scale of {} nodes is not used: they have a `matrix`, too, which "
+                    "glTF does not allow, and which counts where no clip moves them",
+                    doubled_places_));
   if (const size_t scenes = file_.count("scenes"); scenes > 1)
     add(fmt::format("of {} scenes one is shown, that of its `scene`, or the first", scenes));
 }
