@@ -120,9 +120,8 @@ void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescriptio
     const auto normal_of = [&](size_t corner) { return first_normal + polygons.normals[begin + corner]; };
     const bool is_smooth =
         mesh.smoothing != Smoothing::flat && !polygons.normals.empty() && polygons.normals[begin] != kNone &&
-        (has_all_normals ||
-         std::all_of(&polygons.normals[begin], &polygons.normals[begin] + sides,
-                     [&](uint32_t n) { return mesh.normals[n] != glm::vec3(0); }));
+        (has_all_normals || std::all_of(&polygons.normals[begin], &polygons.normals[begin] + sides,
+                                        [&](uint32_t n) { return mesh.normals[n] != glm::vec3(0); }));
     const auto smoothing = static_cast<uint32_t>(is_smooth ? mesh.smoothing : Smoothing::flat);
     if (!is_planar(normal, triangles)) {
       count(folded_, p.place);

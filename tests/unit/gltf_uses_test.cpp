@@ -119,11 +119,11 @@ void write_clips(const std::string& name, const std::vector<std::pair<std::strin
 SceneDescription load_clips(const std::string& before, const std::string& clip = "") {
   LoadOptions options;
   options.clip = clip;
-  return load_scene(test::write_temporary("clips.yaml",
-                                          test::view_text() + before +
+  return load_scene(
+      test::write_temporary("clips.yaml", test::view_text() + before +
                                               "scene: [{mesh: {file: a.gltf}}, {mesh: {file: b.gltf}}, "
                                               "{mesh: {file: still.gltf}}]\n"),
-                    options);
+      options);
 }
 
 TEST(GltfUses, FramesAreThoseOfTheLongestClip) {
@@ -162,15 +162,14 @@ TEST(GltfUses, WhatContradictsTheSpecificationIsNamed) {
   TinyGltf file;
   const size_t times = file.scalars({0, 1}), places = file.vectors({0, 0, 0, 8, 0, 0}),
                weights = file.scalars({0, 1});
-  const SceneDescription scene = file.load_alone(square_and(
-      file, fmt::format(R"("nodes": [
+  const SceneDescription scene = file.load_alone(square_and(file, fmt::format(R"("nodes": [
       {{"mesh": 0, "matrix": [1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  5, 0, 0, 1]}},
       {{"mesh": 0, "weights": [1], "matrix": [1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  5, 0, 0, 1], "scale": [2, 2, 2]}},
       {{"mesh": 0, "skin": 0}}], "skins": [{{"joints": []}}],
       "animations": [{{"samplers": [{{"input": {0}, "output": {1}}}, {{"input": {0}, "output": {2}}}], "channels": [
         {{"sampler": 0, "target": {{"node": 0, "path": "translation"}}}},
         {{"sampler": 1, "target": {{"node": 1, "path": "weights"}}}}]}}])",
-                        times, places, weights)));
+                                                                              times, places, weights)));
   const std::string notes = all_notes(scene);
   expect_words(notes, "nodes[0]: its `matrix` is not used, as the clip changes its translation");
   expect_words(notes, "nodes[1]: the clip changes weights of its morph targets, but it has none");
@@ -185,11 +184,13 @@ TEST(GltfUses, TexturesAreMovedByNumbersThatArePossible) {
     TinyGltf file;
     test::write_temporary("two.png", "");
     write_image(test::write_temporary("two.png", ""),
-                Image{1, 1, {0, 0, 1, 1}, make_pixel_layout(PixelFormat::rgb8), std::vector<std::byte>(3)}, {});
-    return file.error(square_and(file, fmt::format(R"("nodes": [{{"mesh": 0}}], "images": [{{"uri": "two.png"}}],
+                Image{1, 1, {0, 0, 1, 1}, make_pixel_layout(PixelFormat::rgb8), std::vector<std::byte>(3)},
+                {});
+    return file.error(square_and(file,
+                                 fmt::format(R"("nodes": [{{"mesh": 0}}], "images": [{{"uri": "two.png"}}],
       "textures": [{{"source": 0}}], "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0,
       "extensions": {{"KHR_texture_transform": {{{}}}}}}}}}}}])",
-                                                   transform),
+                                             transform),
                                  R"(, "material": 0)"));
   };
   EXPECT_EQ(with(R"("scale": [-1000000, 0], "offset": [7, 0])"), "");
@@ -199,9 +200,36 @@ TEST(GltfUses, TexturesAreMovedByNumbersThatArePossible) {
   EXPECT_NE(with(R"("offset": [0, 1e999])"), "");
 }
 
+TEST(GltfUses, TangentsAreMissedWhereThereIsAMapOfNormals) {
+  write_image(test::write_temporary("two.png", ""),
+              Image{1, 1, {0, 0, 1, 1}, make_pixel_layout(PixelFormat::rgb8), std::vector<std::byte>(3)}, {});
+  const auto notes_with = [](const char* key) {
+    TinyGltf file;
+    const size_t t = file.floats("VEC2", {0, 1, 1, 1, 1, 0, 0, 0}, 2),
+                 tangents = file.floats("VEC4", std::vector<float>(16, 1), 4), p = file.square();
+    return all_notes(file.load(fmt::format(
+        R"("nodes": [{{"mesh": 0}}], "images": [{{"uri": "two.png"}}], "textures": [{{"source": 0}}],
+      "materials": [{{"{}": {{"index": 0}}}}], "meshes": [{{"primitives": [{{"attributes":
+      {{"POSITION": {}, "TEXCOORD_0": {}, "TANGENT": {}}}, "mode": 6, "material": 0}}]}}])",
+        key, p, t, tangents)));
+  };
+  expect_words(notes_with("normalTexture"), "1 primitive whose TANGENT is not read");
+  EXPECT_EQ(notes_with("occlusionTexture").find("TANGENT"), std::string::npos);
+}
+
+TEST(GltfUses, AFileThatShowsNothingIsAnError) {
+  TinyGltf file;
+  expect_words(file.error(R"("nodes": [{}])"), "there is nothing in it to look at");
+  // In a scene of other things it may be empty.
+  const std::string path = file.write(R"("nodes": [{}])");
+  EXPECT_TRUE(
+      meshes_of(test::load_yaml(test::view_text() + "scene: [{mesh: {file: " + path + "}}]\n")).empty());
+}
+
 TEST(GltfUses, DataInUrisIsDecodedOnce) {
   TinyGltf tiny;
-  const GltfFile file(tiny.write(R"("images": [{"uri": "data:a;base64,AAAA"}, {"uri": "data:a;base64,AAAA"}])"), {});
+  const GltfFile file(
+      tiny.write(R"("images": [{"uri": "data:a;base64,AAAA"}, {"uri": "data:a;base64,AAAA"}])"), {});
   const GltfValue uri = file.item("images", 0).at("uri");
   EXPECT_EQ(file.bytes_of_uri(uri).data(), file.bytes_of_uri(uri).data());
   EXPECT_EQ(file.bytes_of_uri(uri).size(), 3u);

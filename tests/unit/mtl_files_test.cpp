@@ -184,13 +184,15 @@ TEST(MtlLoader, ImagesOfTheSameNameAreThoseBesideTheirLibraries) {
     write_image((folder / name / "wood.png").string(), image, {});
   }
   // The scene's own texture has the name of a file, and a third mesh comes to one of the two by another way.
-  std::ofstream(folder / "mesh.obj") << "mtllib two/mesh.mtl one/../two/again.mtl\nusemtl b\n" << kTriangle << kFace;
+  std::ofstream(folder / "mesh.obj") << "mtllib two/mesh.mtl one/../two/again.mtl\nusemtl b\n"
+                                     << kTriangle << kFace;
   std::ofstream(folder / "two" / "again.mtl") << "newmtl b\nmap_Kd ../one/../two/wood.png\n";
-  const SceneDescription scene = test::load_yaml(test::view_text() + fmt::format(R"(
+  const SceneDescription scene =
+      test::load_yaml(test::view_text() + fmt::format(R"(
 textures: {{{}: {{kind: checker}}}}
 scene: [{{mesh: {{file: one/mesh.obj}}}}, {{mesh: {{file: two/mesh.obj}}}}, {{mesh: {{file: mesh.obj}}}}]
 )",
-                                                                                 (folder / "one/wood.png").string()));
+                                                      (folder / "one/wood.png").string()));
   const auto red_of = [&](const char* material) {
     std::vector<uint16_t> reds;
     for (const MaterialDescription& m : scene.materials)

@@ -129,8 +129,9 @@ TEST(YamlDocuments, FilesThatIncludeEachOtherAreAnError) {
                       "scene.yaml: files can't include each other in a circle"),
             std::string::npos)
       << error_of("include: other.yaml\n" + rest);
-  EXPECT_NE(error_of("include: scene.yaml\n" + rest).find("scene.yaml:1:10: scene.yaml includes scene.yaml: "),
-            std::string::npos);
+  EXPECT_NE(
+      error_of("include: scene.yaml\n" + rest).find("scene.yaml:1:10: scene.yaml includes scene.yaml: "),
+      std::string::npos);
   // Two that include the same are no circle.
   write_temporary("third.yaml", "materials: {blue: {}}\n");
   write_temporary("second.yaml", "include: third.yaml\n");

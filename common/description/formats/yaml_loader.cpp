@@ -147,22 +147,22 @@ class SceneReader {
           std::string way;
           for (auto step = above; step != open_.end(); ++step)
             way += std::filesystem::path(*step).filename().string() + " includes ";
-          name.fail(fmt::format("{}{}: files can't include each other in a circle; put what both need into a "
-                                "third one",
-                                way, std::filesystem::path(whole).filename().string()));
+          name.fail(
+              fmt::format("{}{}: files can't include each other in a circle; put what both need into a "
+                          "third one",
+                          way, std::filesystem::path(whole).filename().string()));
         });
       if (!included_.insert(whole).second) continue;
-      if (const std::string extension = extension_of(file); extension != ".yaml" && extension != ".yml" &&
-                                                            (find_mesh_format(file) || extension == ".nff" ||
-                                                             extension == ".rfp")) {
+      if (const std::string extension = extension_of(file);
+          extension != ".yaml" && extension != ".yml" &&
+          (find_mesh_format(file) || extension == ".nff" || extension == ".rfp")) {
         shared_.problems.keep([&] {
-          name.fail(fmt::format("`include` takes scenes in YAML; {}",
-                                extension == ".nff"
-                                    ? "an NFF file is a scene of its own, which is rendered alone"
-                                : extension == ".rfp"
-                                    ? fmt::format("compiled objects are `scene: [{{objects: {}}}]`", name.text())
-                                    : fmt::format("a model is shown by `scene: [{{mesh: {{file: {}}}}}]`",
-                                                  name.text())));
+          name.fail(fmt::format(
+              "`include` takes scenes in YAML; {}",
+              extension == ".nff" ? "an NFF file is a scene of its own, which is rendered alone"
+              : extension == ".rfp"
+                  ? fmt::format("compiled objects are `scene: [{{objects: {}}}]`", name.text())
+                  : fmt::format("a model is shown by `scene: [{{mesh: {{file: {}}}}}]`", name.text())));
         });
         continue;
       }

@@ -124,10 +124,11 @@ void GltfAnimation::read_channel(const GltfValue& clip, const GltfValue& channel
                                                                                         : 3;
   const GltfValue moved = file_.item("nodes", node);
   if (targets == 0) {
-    notes.add(clip.place(),
-              fmt::format("{}: the clip changes weights of its morph targets, but it has none; the channel is "
-                          "left out",
-                          moved.where()));
+    notes.add(
+        clip.place(),
+        fmt::format("{}: the clip changes weights of its morph targets, but it has none; the channel is "
+                    "left out",
+                    moved.where()));
     return;
   }
   if (!is_weights && moved.has("matrix"))

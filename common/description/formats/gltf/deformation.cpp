@@ -99,9 +99,8 @@ void read_targets(const GltfFile& file, const GltfValue& primitive, size_t count
     std::vector<Change> positions, normals;
     for (const std::string& key : target.keys()) {
       if (key == "POSITION" || (key == "NORMAL" && has_normals))
-        (key == "POSITION" ? positions : normals) =
-            read_changes(file, GltfAccessor::of_vertices(file, target, key.c_str(), count, {3}), used,
-                         deformer.is_copy);
+        (key == "POSITION" ? positions : normals) = read_changes(
+            file, GltfAccessor::of_vertices(file, target, key.c_str(), count, {3}), used, deformer.is_copy);
       else if (key != "NORMAL" && key != "TANGENT")
         ++notes.other_targets;
     }

@@ -77,7 +77,10 @@ SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& opt
   scene.objects[0].children.push_back({root, {}, {}});
   scene.frames = animation.frames();
   set_view(file, animation, nodes.cameras(), scene);
-  if (const Box bounds = bounds_of(scene); !bounds.is_empty()) add_quick_look(scene, make_quick_look(bounds));
+  const Box bounds = bounds_of(scene);
+  if (bounds.is_empty())
+    throw InputError({path}, "there is nothing in it to look at: the nodes of its scene have no triangles");
+  add_quick_look(scene, make_quick_look(bounds));
   if (scene.render.empty())  // it has lights of its own
     scene.render = {{"lighting", QuickLook::kLighting, {}},
                     {"samples", fmt::format("{}", QuickLook::kSamples), {}}};

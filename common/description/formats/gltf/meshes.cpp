@@ -145,8 +145,9 @@ void GltfMeshes::read_uvs(const GltfAccessor& accessor, const GltfUsedVertices& 
 void GltfMeshes::note_attributes(const GltfValue& primitive) {
   for (const std::string& name : primitive.at("attributes").keys()) {
     const bool is_known = name == "POSITION" || name == "NORMAL" || name == "TEXCOORD_0" ||
-                          name == "TEXCOORD_1" || name == "COLOR_0" || name == "TANGENT" || name.starts_with("JOINTS_") ||
-                          name.starts_with("WEIGHTS_") || name.starts_with("_");  // an application's own
+                          name == "TEXCOORD_1" || name == "COLOR_0" || name == "TANGENT" ||
+                          name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
+                          name.starts_with("_");  // an application's own
     if (!is_known && unused_.size() < 20) unused_.insert(name.substr(0, 40));
   }
 }
@@ -245,9 +246,7 @@ void GltfMeshes::add_notes() const {
   add(bad_uvs_, "texture coordinate", "texture coordinates", "that are no numbers, taken for 0");
   std::string names;
   for (const std::string& name : unused_) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
-  if (!names.empty())
-    scene_.notes.add({file_.path()},
-                     fmt::format("not used of vertices: {}", names));
+  if (!names.empty()) scene_.notes.add({file_.path()}, fmt::format("not used of vertices: {}", names));
   notes_of_deformation_.add_to(scene_.notes, {file_.path()});
 }
 

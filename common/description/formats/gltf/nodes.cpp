@@ -20,8 +20,11 @@ double bytes_of(const Curve& curve) {
                              curve.values.size() * sizeof(Vec4));
 }
 
+/// A mesh that bends takes three times what it takes as it is read until it is compiled: measured, 216 bytes
+/// a triangle of a grid with normals, coordinates and two joints a vertex, of which 69 are read.
+constexpr double kBytesPerByteRead = 3;
+
 /// What a node needs for a mesh of its own as it is read, without its joints and the curves of its weights.
-/// Compiled, it takes about as much again.
 double bytes_of(const MeshShape& mesh) {
   const auto bytes = [](const auto& values) {
     return static_cast<double>(values.size() * sizeof(values[0]));
@@ -30,7 +33,8 @@ double bytes_of(const MeshShape& mesh) {
                bytes(mesh.triangle_normals) + bytes(mesh.uvs) + bytes(mesh.triangle_uvs) +
                bytes(mesh.second_uvs) + bytes(mesh.colors);
   if (!mesh.deformation) return sum;
-  sum += bytes(mesh.deformation->joint_of) + bytes(mesh.deformation->weights) + bytes(mesh.deformation->targets);
+  sum +=
+      bytes(mesh.deformation->joint_of) + bytes(mesh.deformation->weights) + bytes(mesh.deformation->targets);
   for (const DeformationDescription::Target& target : mesh.deformation->targets) sum += bytes(target.deltas);
   return sum;
 }
@@ -203,8 +207,8 @@ void GltfNodes::count_copies() {
                                    sizeof(DeformationDescription::Joint));
     if (const GltfMotion* const motion = animation_.find(node))
       for (const Curve& curve : motion->weights) bytes += bytes_of(curve);
-    file_.take_copies(value,
-                      bytes * static_cast<double>(file_.item("meshes", mesh).at("primitives").size()));
+    file_.take_copies(value, kBytesPerByteRead * bytes *
+                                 static_cast<double>(file_.item("meshes", mesh).at("primitives").size()));
   }
 }
 
@@ -246,7 +250,8 @@ void GltfNodes::add_mesh(uint32_t node, uint32_t mesh) {
     double bytes = 0;
     for (const PrimitiveDescription& primitive : primitives)
       bytes += bytes_of(std::get<MeshShape>(primitive.shape));
-    file_.take_copies(value, bytes * static_cast<double>(all.nodes - 1));  // before the others are made
+    // Before the others are made.
+    file_.take_copies(value, kBytesPerByteRead * bytes * static_cast<double>(all.nodes - 1));
   }
   std::vector<std::vector<TransformStep>> copies = copies_of(value);
   // A mesh with a skin moves with its bones alone; others, and what of it has no joints, with the node.
@@ -392,7 +397,8 @@ void GltfNodes::add_notes() {
     add(fmt::format("{} meshes whose skins have joints that the scene doesn't show are left out",
                     hidden_skins_));
   if (skinned_copies_ > 0)
-    add(fmt::format("{} copies that EXT_mesh_gpu_instancing makes of meshes with skins are left out: such a "
+    add(
+        fmt::format("{} copies that EXT_mesh_gpu_instancing makes of meshes with skins are left out: such a "
                     "mesh stands where its joints are, and all its copies would stand in one place",
                     skinned_copies_));
   for (const uint32_t skin : empty_skins_)
@@ -400,9 +406,10 @@ void GltfNodes::add_notes() {
   if (idle_weights_ > 0)
     add(fmt::format("`weights` of {} nodes are not used: their meshes have no morph targets", idle_weights_));
   if (doubled_places_ > 0)
-    add(fmt::format("translation, rotation or scale of {} nodes is not used: they have a `matrix`, too, which "
-                    "glTF does not allow, and which counts where no clip moves them",
-                    doubled_places_));
+    add(fmt::format(
+        "translation, rotation or scale of {} nodes is not used: they have a `matrix`, too, which "
+        "glTF does not allow, and which counts where no clip moves them",
+        doubled_places_));
   if (const size_t scenes = file_.count("scenes"); scenes > 1)
     add(fmt::format("of {} scenes one is shown, that of its `scene`, or the first", scenes));
 }
