@@ -66,6 +66,28 @@ TEST(GltfUses, MeshesOfTheirOwnAreRefusedBeforeTheyAreMade) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
+TEST(GltfUses, MeshesThatBendAreGivenUpWhenTheyAreCompiled) {
+  TinyGltf file;
+  const size_t p = file.square(), target = file.vectors({0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0}),
+               times = file.scalars({0, 1}), weights = file.scalars({0, 1});
+  // The first bends from frame to frame, the second is bent once and for all.
+  SceneDescription scene = file.load(fmt::format(
+      R"("nodes": [{{"mesh": 0}}, {{"mesh": 0, "weights": [0.5]}}],
+      "meshes": [{{"primitives": [{{"attributes": {{"POSITION": {}}}, "mode": 6, "targets": [{{"POSITION": {}}}]}}]}}],
+      "animations": [{{"samplers": [{{"input": {}, "output": {}}}], "channels": [{{"sampler": 0, "target": {{"node": 0, "path": "weights"}}}}]}}])",
+      p, target, times, weights));
+  const CompiledScene kept = compile(scene);
+  ASSERT_EQ(meshes_of(scene).size(), 2u);
+  ASSERT_TRUE(meshes_of(scene)[0]->deformation);
+  const CompiledScene given_up = compile_away(scene);
+  for (const MeshShape* mesh : meshes_of(scene)) {
+    EXPECT_TRUE(mesh->positions.empty());
+    EXPECT_TRUE(mesh->triangles.empty());
+    EXPECT_EQ(mesh->deformation, nullptr);
+  }
+  EXPECT_TRUE(std::ranges::equal(kept.block.bytes(), given_up.block.bytes()));
+}
+
 TEST(GltfUses, CopiesOfAMorphedMeshShareItsShape) {
   TinyGltf file;
   const size_t p = file.square(), target = file.vectors({0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0}),

@@ -31,6 +31,9 @@ class GltfNodes {
   void make_skeleton();
   /// Counts which meshes nodes need for themselves, and what of these is known before they are read.
   void count_copies();
+  /// Of a mesh that was read for its first node: `more` others, before they are made.
+  void take_copies(const GltfValue& node, std::span<const PrimitiveDescription> primitives,
+                   size_t more) const;
   void add_content(uint32_t node);
   void add_mesh(uint32_t node, uint32_t mesh);
   void add_shared(uint32_t node, uint32_t mesh);
