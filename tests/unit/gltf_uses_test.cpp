@@ -248,6 +248,24 @@ TEST(GltfUses, AFileThatShowsNothingIsAnError) {
       meshes_of(test::load_yaml(test::view_text() + "scene: [{mesh: {file: " + path + "}}]\n")).empty());
 }
 
+TEST(GltfUses, PathsOfOtherMachinesAreNamed) {
+  const auto with = [](const char* uri) {
+    TinyGltf file;
+    return file.error(square_and(
+        file,
+        fmt::format(R"("nodes": [{{"mesh": 0}}], "images": [{{"uri": "{}"}}], "textures": [{{"source": 0}}],
+      "materials": [{{"normalTexture": {{"index": 0}}}}])",
+                    uri),
+        R"(, "material": 0)"));
+  };
+  for (const char* uri : {"C:/textures/none.png", "/nowhere/none.png", R"(textures\\none.png)"}) {
+    expect_words(with(uri), "images[0].uri");
+    expect_words(with(uri), "; a URI here is a path from this file on");
+  }
+  EXPECT_EQ(with("none.png").find("a URI here"), std::string::npos);
+  expect_words(with("none.png"), "no such file");
+}
+
 TEST(GltfUses, DataInUrisIsDecodedOnce) {
   TinyGltf tiny;
   const GltfFile file(

@@ -208,6 +208,35 @@ double area_of(const CompiledScene& compiled, const Box& hole = {}) {
   return sum;
 }
 
+TEST(Loading, TextInUtf16IsRefusedByName) {
+  for (const auto& [name, text] :
+       {std::pair<std::string, std::string>{"wide.ply", "ply\nformat ascii 1.0\n"},
+        {"wide.stl",
+         "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+         "endfacet\nendsolid\n"},
+        {"wide.off", "OFF\n3 1 0\n"},
+        {"wide.obj", "v 0 0 0\n"}})
+    for (const bool has_mark : {true, false}) {
+      std::string wide = has_mark ? "\xff\xfe" : "";
+      for (const char c : text) wide += {c, '\0'};
+      const std::string error = test::error_of(wide, name);
+      EXPECT_NE(error.find("the file is in UTF-16; save it as UTF-8"), std::string::npos) << name << error;
+    }
+}
+
+TEST(Loading, FilesThatAreNotThereAreLookedForWhereTheyWouldBe) {
+  for (const auto& [path, hint] :
+       {std::pair{"/nowhere/a.obj", "/nowhere/a.obj: no such file; check the path"},
+        {"nowhere/a.obj", "check the path (it is relative to /"}})
+    try {
+      load_scene(path);
+      ADD_FAILURE();
+    } catch (const IoError& e) {
+      EXPECT_NE(std::string(e.what()).find(hint), std::string::npos) << e.what();
+      EXPECT_EQ(std::string(e.what()).find("relative") == std::string::npos, path[0] == '/') << e.what();
+    }
+}
+
 TEST(ObjLoader, ALibraryWithBlanksInItsNameIsMissedOnce) {
   const SceneDescription scene = load_mesh("mtllib no such file.mtl\n" + kTriangle + kFace);
   expect_note(scene, "mesh.obj:1:8:", "no such file.mtl: no such file");
