@@ -133,12 +133,13 @@ class PartCompiler {
       ++structured_;
     }
     std::sort(deforming_.begin(), deforming_.end());
-    add_deforming_parts(arrays_, description_, deforming_, options_, part_of_);
-    for (const DeformingPart& part : arrays_.deforming_parts) built_ += part.triangle_count;
-    luminous_of_.resize(arrays_.parts.size());
-    for (const uint32_t object : deforming_)
+    add_deforming_parts(arrays_, description_, deforming_, options_, part_of_, [&](uint32_t object) {
       for (const PrimitiveDescription& p : description_.objects[object].primitives)
         if (shines(std::get<MeshShape>(p.shape), p.material)) luminaires_.add_deforming(p.place);
+      if (spent_) for_each_mesh(spent_->objects[object], [](MeshShape& mesh) { mesh = {}; });
+    });
+    for (const DeformingPart& part : arrays_.deforming_parts) built_ += part.triangle_count;
+    luminous_of_.resize(arrays_.parts.size());
   }
 
   bool shines(const MeshShape& mesh, uint32_t material) const {
@@ -195,6 +196,7 @@ class PartCompiler {
         for_each_mesh(spent_->objects[o.object], [](MeshShape& mesh) {
           mesh.positions = {};
           mesh.triangles = {};
+          mesh.deformation = nullptr;
         });
     still_.clear();
   }

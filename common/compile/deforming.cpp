@@ -149,7 +149,7 @@ PrimitiveDescription make_still(const SceneDescription& description, const Primi
 
 void add_deforming_parts(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
                          std::span<const uint32_t> objects, const BuildOptions& options,
-                         std::span<uint32_t> part_of) {
+                         std::span<uint32_t> part_of, const std::function<void(uint32_t)>& is_stored) {
   if (objects.empty()) return;
   VertexCompiler vertices(arrays, description);
   for (const uint32_t object : objects) {
@@ -166,6 +166,7 @@ void add_deforming_parts(SceneArrays<GrowingArray>& arrays, const SceneDescripti
       vertices.add(*mesh);
       add_triangles(arrays, p, *mesh, first_vertex);
     }
+    is_stored(object);
     if (arrays.deforming_triangles.size() > limits::kPrimitives)
       throw InputError(description.source(description.objects[object].place),
                        "the scene has too many triangles");

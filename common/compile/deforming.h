@@ -1,5 +1,6 @@
 #pragma once
 // Objects whose shape changes from frame to frame: their parts, the first of the scene.
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -34,9 +35,10 @@ PrimitiveDescription make_still(const SceneDescription& description, const Primi
 
 /// Adds a part for each of the objects (indices) that has triangles, as the first frame has it, before
 /// anything else is in the arrays but materials and textures; sets `part_of` (by object). Throws InputError
-/// for one that has other shapes, or no finite place, and Stopped.
+/// for one that has other shapes, or no finite place, and Stopped. `is_stored`: called with each object when
+/// its meshes are needed no more.
 void add_deforming_parts(SceneArrays<GrowingArray>& arrays, const SceneDescription& description,
                          std::span<const uint32_t> objects, const BuildOptions& options,
-                         std::span<uint32_t> part_of);
+                         std::span<uint32_t> part_of, const std::function<void(uint32_t)>& is_stored);
 
 }  // namespace rayfarm

@@ -22,6 +22,12 @@ bool is_planar(const Vec3& normal, std::span<const TriangleVertices> triangles) 
   });
 }
 
+/// True if none of a triangle's normals is zero: files have such, and faces are flat there.
+bool have_directions(const MeshShape& mesh, const glm::uvec3& normals) {
+  return mesh.normals[normals.x] != glm::vec3(0) && mesh.normals[normals.y] != glm::vec3(0) &&
+         mesh.normals[normals.z] != glm::vec3(0);
+}
+
 /// The vertices that the faces of one mesh use, as they enter the scene.
 class SharedPoints {
  public:
@@ -49,7 +55,11 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
   make_room(arrays_.normals, mesh.normals.size());
   make_room(arrays_.triangle_shading, mesh.triangles.size());
   if (!mesh.triangles.empty()) part.begin_mesh(mesh.positions, mesh.triangles);
-  for (const glm::vec3& n : mesh.normals) arrays_.normals.emplace_back(normalized(Vec3(n)));
+  bool has_all = true;
+  for (const glm::vec3& n : mesh.normals) {
+    arrays_.normals.emplace_back(normalized(Vec3(n)));
+    has_all = has_all && n != glm::vec3(0);
+  }
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (i % kFacesPerLook == 0) throw_if_stopped(stop_);
     const glm::uvec3& t = mesh.triangles[i];
@@ -57,7 +67,7 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
                             static_cast<uint32_t>(Smoothing::flat),
                             {kNone, kNone, kNone}};
     if (mesh.smoothing != Smoothing::flat && !mesh.triangle_normals.empty() &&
-        mesh.triangle_normals[i].x != kNone) {
+        mesh.triangle_normals[i].x != kNone && (has_all || have_directions(mesh, mesh.triangle_normals[i]))) {
       shading.smoothing = static_cast<uint32_t>(mesh.smoothing);
       for (size_t k = 0; k < 3; ++k)
         shading.normals[k] = first_normal + mesh.triangle_normals[i][static_cast<int>(k)];
@@ -75,11 +85,11 @@ void ShapeCompiler::add(PartPrimitives& part, const PrimitiveDescription& p, con
     add_corners(arrays_.triangle_colors, 3 * before, kWhiteVertex, mesh.colors, 3, position);
     if (!mesh.colors.empty()) arrays_.materials[shading.material].is_colored = 1;
   }
-  if (!mesh.polygons.sides.empty()) add_polygons(part, p, mesh, first_normal);
+  if (!mesh.polygons.sides.empty()) add_polygons(part, p, mesh, first_normal, has_all);
 }
 
 void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh,
-                                 uint32_t first_normal) {
+                                 uint32_t first_normal, bool has_all_normals) {
   const MeshPolygons& polygons = mesh.polygons;
   SharedPoints shared(mesh.positions, arrays_.mesh_points);
   std::vector<Vec3> points;
@@ -109,7 +119,9 @@ void ShapeCompiler::add_polygons(PartPrimitives& part, const PrimitiveDescriptio
     if (!mesh.colors.empty()) arrays_.materials[material].is_colored = 1;
     const auto normal_of = [&](size_t corner) { return first_normal + polygons.normals[begin + corner]; };
     const bool is_smooth =
-        mesh.smoothing != Smoothing::flat && !polygons.normals.empty() && polygons.normals[begin] != kNone;
+        mesh.smoothing != Smoothing::flat && !polygons.normals.empty() && polygons.normals[begin] != kNone &&
+        (has_all_normals || std::all_of(&polygons.normals[begin], &polygons.normals[begin] + sides,
+                                        [&](uint32_t n) { return mesh.normals[n] != glm::vec3(0); }));
     const auto smoothing = static_cast<uint32_t>(is_smooth ? mesh.smoothing : Smoothing::flat);
     if (!is_planar(normal, triangles)) {
       count(folded_, p.place);

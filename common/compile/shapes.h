@@ -30,7 +30,7 @@ class ShapeCompiler {
   void add(PartPrimitives& part, const PrimitiveDescription& p, const PolygonShape& shape);
   void add(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh);  // meshes.cpp
   void add_polygons(PartPrimitives& part, const PrimitiveDescription& p, const MeshShape& mesh,
-                    uint32_t first_normal);
+                    uint32_t first_normal, bool has_all_normals);
   /// Nothing if the triangle has no area: no ray can hit it.
   std::optional<PrimitiveId> add_triangle(const TriangleVertices& v, const TriangleShading& shading,
                                           const Place& place);

@@ -51,6 +51,8 @@ QuickLook make_quick_look(const Box& bounds) {
   const Vec3 center = bounds.center();
   // A single point has no size, and a camera must stand off it.
   const double radius = std::max({0.5 * glm::length(bounds.extent()), 1e-6 * bounds.magnitude(), 1e-12});
+  constexpr double kLeastSeen = 0.01;  // of what the picture shows: a few pixels
+  look.is_too_small = 0.5 * glm::length(bounds.extent()) < kLeastSeen * radius;
   look.look_at = center;
   const Vec3 right = normalized(glm::cross(Vec3(0, 1, 0), kToCamera)), up = glm::cross(kToCamera, right);
   constexpr double kRadians = 3.14159265358979323846 / 180;
@@ -81,6 +83,12 @@ MaterialDescription quick_look_material(bool is_coloured) {
 }
 
 void add_quick_look(SceneDescription& scene, const QuickLook& look) {
+  if (!scene.has_view && look.is_too_small)
+    scene.notes.add(
+        scene.source(),
+        "the model is too small to be shown by itself (less than 2e-14 across, or than a "
+        "hundred-millionth of its coordinates): put it into a scene, scaled up (`transform: {scale: "
+        "…}`) or seen from near by");
   if (!scene.has_view) {
     scene.view.location = constant_curve(Vec4(look.location, 0));
     scene.view.look_at = constant_curve(Vec4(look.look_at, 0));

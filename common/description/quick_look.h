@@ -11,6 +11,7 @@ struct QuickLook {
   std::array<Vec3, 4> ground{};
   Vec3 lamp{0};  ///< its centre
   double lamp_radius = 1;
+  bool is_too_small = false;  ///< the model is a speck in it, or nothing
 
   static constexpr double kSky = 0.4;       ///< radiance
   static constexpr double kEmission = 9.5;  ///< of the lamp

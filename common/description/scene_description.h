@@ -85,6 +85,7 @@ struct TextureDescription : Texture {
   std::string name;
   std::vector<uint16_t> texels;  ///< of an image or array
   bool is_from_srgb = false;     ///< of an image: its file's numbers were decoded
+  std::string origin{};          ///< of an image that MTL files share: its file and how it is read
 };
 
 struct DiagramDescription : GoniometricDiagram {
@@ -269,6 +270,14 @@ struct ObjectDescription {
   Place bound_place{};
 };
 
+/// The clip that the user asks for, by name or number: one of the scene's glTF files must have it.
+struct ClipSearch {
+  bool is_found = false;
+  std::vector<std::string> missing;  ///< what would be said of each file that has none of that name
+  /// Throws InputError if files were asked and none has it.
+  void check() const;
+};
+
 /// An option of `rayfarm render` that a scene asks for, as the command line has it.
 struct RenderChoice {
   std::string name;   ///< without dashes in front
@@ -297,6 +306,8 @@ struct SceneDescription {
   std::vector<ObjectDescription> objects;
   uint32_t root = 0;
   std::optional<std::array<int, 2>> frames;  ///< first and last
+  bool has_own_frames = false;               ///< the scene says them; else they are those of all clips
+  ClipSearch clip;                           ///< of loading
   std::vector<RenderChoice> render;          ///< how it wants to be rendered, where the user leaves it open
   Notes notes;                               ///< of loading
 

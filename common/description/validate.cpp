@@ -7,6 +7,8 @@
 namespace rayfarm {
 namespace {
 
+constexpr size_t kMostProblems = 20;  // as YAML's
+
 [[noreturn]] void fail(const SceneDescription& scene, const Place& place, const std::string& problem) {
   throw InputError(scene.source(place), problem);
 }
@@ -168,7 +170,15 @@ size_t count_instances(const SceneDescription& scene, size_t most) {
   return count(scene.root);
 }
 
+void ClipSearch::check() const {
+  if (is_found || missing.empty()) return;
+  std::string lines;
+  for (size_t i = 0; i < missing.size() && i < kMostProblems; ++i) lines += (i > 0 ? "\n" : "") + missing[i];
+  throw InputError(lines);
+}
+
 void validate(const SceneDescription& scene, const std::stop_token& stop) {
+  scene.clip.check();
   size_t bones = 0;
   for (const SkeletonDescription& skeleton : scene.skeletons) {
     bones += skeleton.bones.size();

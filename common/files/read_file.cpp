@@ -40,9 +40,7 @@ void require_size(const std::string& path, uintmax_t size, uintmax_t most) {
 /// The text behind the mark of UTF-8, if it has one.
 std::string_view checked_text(const std::string& path, std::string_view bytes) {
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
-  if (const char* encoding = wide_encoding(bytes))
-    throw InputError({path},
-                     fmt::format("the file is in {0}; save it as UTF-8 (`iconv -f {0} -t UTF-8`)", encoding));
+  refuse_wide_text(path, bytes);
   return bytes;
 }
 
@@ -81,6 +79,12 @@ std::string read_file(const std::string& path, uintmax_t max_bytes, const std::s
   }
   if (std::ferror(opened.file.get())) fail_reading(path);
   return text;
+}
+
+void refuse_wide_text(const std::string& path, std::string_view bytes) {
+  if (const char* encoding = wide_encoding(bytes))
+    throw InputError({path},
+                     fmt::format("the file is in {0}; save it as UTF-8 (`iconv -f {0} -t UTF-8`)", encoding));
 }
 
 std::string read_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop) {

@@ -14,6 +14,8 @@ namespace rayfarm {
 std::string read_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop = {});
 /// The same of a file of text. A mark of UTF-8 at its beginning is left out; UTF-16 and UTF-32 are refused.
 std::string read_text_file(const std::string& path, uintmax_t max_bytes, const std::stop_token& stop = {});
+/// Of bytes that may be text: throws InputError if they begin as UTF-16 or UTF-32 do.
+void refuse_wide_text(const std::string& path, std::string_view bytes);
 
 /// The text, or the bytes, of a large file.
 class FileText {

@@ -21,6 +21,7 @@ RegularFile open_regular_file(const std::string& path) {
   if (descriptor < 0) {
     const int error = errno;
     std::error_code ignored;
+    if (error == ENOENT && std::filesystem::path(path).is_absolute()) fail("no such file; check the path");
     if (error == ENOENT)
       fail(fmt::format("no such file; check the path (it is relative to {})",
                        std::filesystem::current_path(ignored).string()));

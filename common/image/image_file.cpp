@@ -98,6 +98,8 @@ void check_image_whole(const std::string& path) {
 
 ImageReader::ImageReader(const ImageFile& file, uint64_t most_pixels, ImagePart part)
     : path_(file.name), opened_(file.bytes ? open_bytes(*file.bytes) : open_regular_file(file.name)) {
+  // libpng would tell of it on stderr, in its own words.
+  if (const std::string damage = find_png_damage(opened_.file.get()); !damage.empty()) fail(damage);
   OpenedImage image = load_reader()(fileno(opened_.file.get()), path_, most_pixels, part);
   if (!image.source) fail(image.problem);
   source_ = std::move(image.source);

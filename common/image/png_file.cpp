@@ -1,6 +1,9 @@
 #include "common/image/png_file.h"
 
+#include <fmt/core.h>
 #include <png.h>
+#include <unistd.h>
+#include <zlib.h>
 
 #include <array>
 #include <cerrno>
@@ -188,6 +191,43 @@ void check_png(std::FILE* file) {
   for (int pass = 0; pass < passes; ++pass)
     for (int y = 0; y < reader.height_px(); ++y) reader.read_row(row);
   reader.finish();
+}
+
+std::string find_png_damage(std::FILE* file) {
+  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+  std::vector<unsigned char> bytes(1 << 16);
+  off_t at = 0;
+  const auto read = [&](size_t count) {
+    size_t done = 0;
+    for (ssize_t n = 1; done < count && n > 0; done += n > 0 ? static_cast<size_t>(n) : 0)
+      n = pread(fileno(file), bytes.data() + done, count - done, at + static_cast<off_t>(done));
+    at += static_cast<off_t>(done);
+    return done == count;
+  };
+  const auto number = [&] {
+    return uint32_t{bytes[0]} << 24 | uint32_t{bytes[1]} << 16 | uint32_t{bytes[2]} << 8 | bytes[3];
+  };
+  if (!read(kSignature.size()) || std::memcmp(bytes.data(), kSignature.data(), kSignature.size()) != 0)
+    return "";
+  constexpr const char* kCutOff = "it ends before its last chunk (IEND); the file is cut off";
+  for (;;) {
+    const off_t begin = at;
+    if (!read(8)) return kCutOff;
+    uint32_t left = number();
+    const std::string name(reinterpret_cast<const char*>(bytes.data()) + 4, 4);
+    uLong sum = crc32(0, bytes.data() + 4, 4);
+    while (left > 0) {
+      const auto piece = static_cast<uint32_t>(std::min<size_t>(left, bytes.size()));
+      if (!read(piece)) return kCutOff;
+      sum = crc32(sum, bytes.data(), piece);
+      left -= piece;
+    }
+    if (!read(4)) return kCutOff;
+    const bool is_needed = name[0] >= 'A' && name[0] <= 'Z';
+    if (is_needed && number() != sum)
+      return fmt::format("the checksum of its chunk at byte {} is wrong; the file is damaged", begin);
+    if (name == "IEND") return "";
+  }
 }
 
 }  // namespace rayfarm

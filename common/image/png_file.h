@@ -16,4 +16,8 @@ ImageInfo read_png_info(std::FILE* file);
 /// Reads every row and chunk. Throws std::exception if one is missing or damaged.
 void check_png(std::FILE* file);
 
+/// What is wrong with the chunks that a PNG file can't be shown without, by their checksums: empty if nothing
+/// is, or it is no PNG file. Nothing is decoded, and the file's place stays.
+std::string find_png_damage(std::FILE* file);
+
 }  // namespace rayfarm

@@ -81,6 +81,9 @@ enum class AmbientColour : uint8_t { surface, light };
 
 /// The most rays of one lobe: rays that a surface reflects, or transmits.
 inline constexpr uint32_t kMostLobeRays = 1000;
+/// Of a pixel. Sobol's sequence has 2³² points: those of all rays that gather for all samples are among them.
+inline constexpr uint32_t kMostSamples = 1 << 20;
+static_assert(uint64_t{kMostSamples} * kMostGatherRays <= uint64_t{1} << 32);
 
 /// Of pictures, brighter or darker.
 inline constexpr double kMostExposure_stops = 64;

@@ -30,7 +30,7 @@ void check_settings(const RenderSettings& settings) {
   const auto is_cut = [](uint32_t parts) { return parts >= 1 && parts <= Subpixels::kMost; };
   const auto is_of_lobe = [](uint32_t rays) { return rays >= 1 && rays <= kMostLobeRays; };
   if (!is_cut(settings.subpixels.columns) || !is_cut(settings.subpixels.rows) || settings.samples < 1 ||
-      settings.diffuse_rays < 1 || !is_of_lobe(settings.reflected_rays) ||
+      settings.samples > kMostSamples || settings.diffuse_rays < 1 || !is_of_lobe(settings.reflected_rays) ||
       !is_of_lobe(settings.transmitted_rays) || settings.max_depth < 1 || settings.max_depth > kMostDepth ||
       settings.max_reflections >= kMostDepth || settings.max_transmissions >= kMostDepth ||
       !(std::abs(settings.exposure_stops) <= kMostExposure_stops) || !std::isfinite(settings.shutter) ||

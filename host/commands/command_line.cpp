@@ -88,6 +88,35 @@ CLI::Validator in_range(double least, double most) {
       },
       "");
 }
+
+/// The parser's own check says "Value x not in range".
+template <typename Number>
+CLI::Validator in_whole_range(Number least, Number most) {
+  return CLI::Validator(
+      [least, most](std::string& text) {
+        Number value = 0;
+        return CLI::detail::lexical_cast(text, value) && value >= least && value <= most
+                   ? std::string()
+                   : fmt::format("'{}' is not a whole number from {} to {}", text, least, most);
+      },
+      fmt::format("{} in [{} - {}]", CLI::detail::type_name<Number>(), least, most));
+}
+
+/// The parser's problems in the words of people.
+std::string problem_of(const CLI::ParseError& e, const CLI::App& app) {
+  const std::string what = e.what();
+  if (e.get_name() == "ArgumentMismatch" && what.find(": At Most 1 required") != std::string::npos) {
+    const std::string name = what.substr(0, what.find(':'));
+    for (const CLI::App* command : app.get_subcommands())
+      if (const CLI::Option* option = command->get_option_no_throw(name))
+        return fmt::format("{} is given {} times; give it once", fmt::join(names_of(*option), ", or "),
+                           option->count());
+  }
+  if (constexpr std::string_view kBefore = "Could not convert: "; what.starts_with(kBefore))
+    return fmt::format("{}: this value can't be read; a flag stands alone, or with `true` or `false`",
+                       what.substr(kBefore.size()));
+  return what;
+}
 }  // namespace
 
 Option Options::text(const std::string& names, std::string& target, const std::string& help,
@@ -100,11 +129,11 @@ Option Options::text(const std::string& names, std::function<void(const std::str
 }
 
 Option Options::number(const std::string& names, int& target, int least, int most, const std::string& help) {
-  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+  return add(command_->add_option(names, target, help)->check(in_whole_range(least, most)));
 }
 Option Options::number(const std::string& names, std::optional<int>& target, int least, int most,
                        const std::string& help) {
-  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+  return add(command_->add_option(names, target, help)->check(in_whole_range(least, most)));
 }
 Option Options::number(const std::string& names, std::optional<double>& target, double least, double most,
                        const std::string& help) {
@@ -112,11 +141,11 @@ Option Options::number(const std::string& names, std::optional<double>& target, 
 }
 Option Options::number(const std::string& names, uint32_t& target, uint32_t least, uint32_t most,
                        const std::string& help) {
-  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+  return add(command_->add_option(names, target, help)->check(in_whole_range(least, most)));
 }
 Option Options::number(const std::string& names, std::optional<uint32_t>& target, uint32_t least,
                        uint32_t most, const std::string& help) {
-  return add(command_->add_option(names, target, help)->check(CLI::Range(least, most)));
+  return add(command_->add_option(names, target, help)->check(in_whole_range(least, most)));
 }
 Option Options::number(const std::string& names, double& target, double least, double most,
                        const std::string& help) {
@@ -142,7 +171,7 @@ Option Options::number(const std::string& names, uint64_t& target, const std::st
 
 Option Options::numbers(const std::string& names, std::vector<int>& target, int least, int most,
                         const std::string& help) {
-  return add(command_->add_option(names, target, help)->delimiter(',')->check(CLI::Range(least, most)));
+  return add(command_->add_option(names, target, help)->delimiter(',')->check(in_whole_range(least, most)));
 }
 Option Options::numbers(const std::string& names, std::vector<double>& target, double least, double most,
                         const std::string& help) {
@@ -204,7 +233,7 @@ Request CommandLine::parse(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     std::ostringstream out, err;
     if (app_->exit(e, out, err) == 0) return {{}, out.str(), kComplete};
-    return refuse(e.what());
+    return refuse(problem_of(e, *app_));
   } catch (const UsageError& e) {
     return refuse(e.what());
   }
@@ -218,7 +247,7 @@ void CommandLine::read(const std::vector<std::string>& words) {
   try {
     read_words(words);
   } catch (const CLI::ParseError& e) {
-    throw UsageError(e.what());
+    throw UsageError(problem_of(e, *app_));
   }
 }
 

@@ -174,7 +174,7 @@ void add_light(Options& options, RenderOptions& o) {
 
 void add_sampling(Options& options, RenderOptions& o) {
   options.begin_group("Sampling", AskedBy::scenes_too);
-  options.number("--samples,--spp", o.settings.samples, 1, 1 << 20, "rays per pixel (default: 1)");
+  options.number("--samples,--spp", o.settings.samples, 1, kMostSamples, "rays per pixel (default: 1)");
   options.number("--adaptive", o.settings.adaptive_contrast, 0, 1e6,
                  "trace all samples only in pixels whose first sample differs by more than this from a "
                  "neighbour's (default: 0, in all); not with --lighting path");

@@ -11,6 +11,7 @@
 #include "common/image/image_file.h"
 #include "host/commands/render_words.h"
 #include "host/process/exit_code.h"
+#include "host/render/choices.h"
 
 namespace rayfarm {
 namespace {
@@ -88,6 +89,8 @@ RenderOptions join(const std::vector<std::string>& words, const SceneDescription
     RenderLine line;
     RenderOptions options = line.read(all);
     check_render(options);
+    for (const RenderChoice& choice : scene.render)
+      if (choice.name == "crop" && !typed.has_given("crop")) options.crop_place = scene.source(choice.place);
     return options;
   } catch (const UsageError& e) {
     if (e.what() == problem) throw JobError(kUsageError, problem);
@@ -128,7 +131,8 @@ void check_until_scene_is_known(RenderOptions& options, const std::vector<std::s
 }
 
 void check_scene_choices(const SceneDescription& scene) {
-  if (!scene.render.empty()) join({RenderLine::kName, "scene", "-o", "picture.png"}, scene);
+  if (scene.render.empty()) return;
+  choose_settings(join({RenderLine::kName, "scene", "-o", "picture.png"}, scene), scene);
 }
 
 }  // namespace rayfarm

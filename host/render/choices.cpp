@@ -24,6 +24,13 @@ std::vector<FrameNumber> choose_frames(const RenderOptions& options, const Scene
                                                         : fmt::format("{}", range[0]));
 }
 
+namespace {
+[[noreturn]] void fail_of_crop(const RenderOptions& options, const std::string& problem) {
+  if (options.crop_place) throw InputError(*options.crop_place, "crop " + problem);
+  throw JobError(kUsageError, "--crop " + problem);
+}
+}  // namespace
+
 RenderSettings choose_settings(const RenderOptions& options, const SceneDescription& scene) {
   RenderSettings s = options.settings;
   const std::array<int, 2> size = options.size_px.value_or(scene.view.size_px());
@@ -35,11 +42,10 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
     const auto& c = *options.crop;
     s.crop = {c[0], c[2], c[1], c[3]};
     if (c[0] < 0 || c[2] < 0 || c[0] >= c[1] || c[2] >= c[3] || c[1] > s.width_px || c[3] > s.height_px)
-      throw JobError(
-          kUsageError,
-          fmt::format(
-              "--crop {},{},{},{}: must lie inside the image of {}×{} pixels, with x0 < x1 and y0 < y1", c[0],
-              c[1], c[2], c[3], s.width_px, s.height_px));
+      fail_of_crop(options,
+                   fmt::format("{},{},{},{}: must lie inside the image of {}×{} pixels, with x0 < x1 "
+                               "and y0 < y1",
+                               c[0], c[1], c[2], c[3], s.width_px, s.height_px));
   }
   s.pixel_format = options.pixel_format.value_or(
       options.wire == Wire::pixel ? PixelFormat::rgb8 : natural_format(options.output));

@@ -23,6 +23,7 @@ struct RenderOptions {
   std::optional<std::array<int, 2>> size_px;
   std::optional<Fit> fit;
   std::optional<std::array<int, 4>> crop;   ///< x0, x1, y0, y1, half-open
+  std::optional<SourcePlace> crop_place;    ///< where the scene asks for it
   RenderSettings settings;                  ///< size, crop and pixel format are set when the scene is known
   std::optional<PixelFormat> pixel_format;  ///< empty: what the output file holds
   std::optional<Subpixels> subpixels;       ///< empty: one

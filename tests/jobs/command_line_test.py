@@ -61,13 +61,15 @@ class Usage(JobTest):
 
     def test_wrong_values(self):
         for option, value, says in (("--size", "64", "WIDTHxHEIGHT"), ("--size", "70000x10", "65536"), ("--size", "0x9", "65536"),
-                                    ("--samples", "0", "samples"), ("--lighting", "fong", "torrance-sparrow|whitted"),
+                                    ("--samples", "0", "--samples: '0' is not a whole number from 1 to 1048576"), ("--samples", "many", "'many' is not a whole number"), ("--lighting", "fong", "torrance-sparrow|whitted"),
                                     ("--frames", "9-1", "before"), ("--frames", "x", "frame number"),
                                     ("--frames", "1-3", "####"), ("--crop", "1,2,3", "x0,x1,y0,y1"), ("--max-depth", "0", "max-depth"),
                                     ("--processor-time", "nan", "not a number"), ("--shutter", "nan", "--shutter"),
                                     ("--node-timeout", "nan", "not a number"), ("--seed", "-1", "whole number"), ("--seed", "18446744073709551616", "whole number"),
                                      ("--processor-times", "1,nan", "not a number")):
             self.expect(2, "render", SCENE, "-o", self.folder / "a.png", option, value, says=[says])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--spp", "4", "--samples", "16", says=["--samples, or --spp is given 2 times; give it once"])
+        self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--skip-existing=perhaps", says=["--skip-existing = perhaps: this value can't be read"])
 
     def test_wavelengths_of_colour(self):
         for value, says in (("spectra", "did you mean 'spectral'?"), ("meyer4:3", "spectral:N"), ("spectral:", "after the colon"),
@@ -295,6 +297,7 @@ class SceneChoices(JobTest):
         for render, place, problem in (("{sampels: 4}", ":4:18", "did you mean 'samples'"), ("{samples: 0}", ":4:18", "--samples"),
                                        ("{frames: 1}", ":4:17", "on the command line"), ("{lighting: paths}", ":4:19", "choose path|"),
                                        ("{lighting: path, adaptive: 1, samples: 4}", ":4:19", "--adaptive compares"),
+                                       ("{size: 9x9, crop: [0, 10, 0, 5]}", ":4:26", "crop 0,10,0,5: must lie inside"), ("{spp: 4, samples: 16}", ":4:15", "is given 2 times"),
                                        ("{samples: {a: 1}}", ":4:19", "a value was expected"), ("{samples: [1]}", ":4:19", "takes one value"), ("[1]", ":4:9", "must be a map")):
             scene = self.write("scene.yaml", VIEW + BALL + f"render: {render}\n")
             for command in (["check", scene], ["render", scene, "-o", self.folder / "a.png"]):

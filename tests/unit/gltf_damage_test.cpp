@@ -18,12 +18,17 @@ std::string error_of_text(const std::string& text, const char* name = "damaged.g
 }
 
 TEST(GltfDamage, FilesThatAreNone) {
-  expect_in(error_of_text(""), "not valid JSON");
+  expect_in(error_of_text(""), "the file is empty");
+  expect_in(error_of_text("", "damaged.glb"), "the file is empty");
+  expect_in(error_of_text("  \n"), "nothing but blanks");
+  expect_in(error_of_text("gl", "damaged.glb"), "too short for a binary glTF");
+  expect_in(error_of_text(std::string("\xff\xfe{\0}\0", 6)), "the file is in UTF-16; save it as UTF-8");
   expect_in(error_of_text("{\"asset\": "), "not valid JSON");
   expect_in(error_of_text("[]"), "an object, {…}, was expected");
   expect_in(error_of_text("{}"), "`asset` is missing");
   expect_in(error_of_text(R"({"asset": {"version": "1.0"}})"), "it is of glTF 1.0");
-  expect_in(error_of_text(R"({"asset": {"version": "2.0", "minVersion": "2.1"}})"), "it is of glTF 2.0");
+  expect_in(error_of_text(R"({"asset": {"version": "2.0", "minVersion": "2.1"}})"),
+            "its asset.minVersion asks for a reader of glTF 2.1");
   expect_in(error_of_text(std::string(1'000'000, '[')), "nested more than 128 deep");
   expect_in(error_of_text("glTF", "damaged.glb"), "ends before its first chunk");
   TinyGltf file;

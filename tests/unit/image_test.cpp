@@ -96,6 +96,29 @@ TEST(ImageFiles, SayWhatTheyHold) {
   }
 }
 
+TEST(ImageFiles, DamagedPngEndsInOurWordsAlone) {
+  const std::string path = test::write_temporary("damaged.png", "");
+  write_image(path, make_crop(PixelFormat::rgb8), kAttributes);
+  const std::string whole = bytes_of(path);
+  const auto problem_of = [&](const std::string& bytes) {
+    write_bytes(path, bytes);
+    testing::internal::CaptureStderr();
+    std::string problem;
+    try {
+      test::read_pixels(path);
+    } catch (const IoError& e) {
+      problem = e.what();
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    return problem;
+  };
+  EXPECT_EQ(problem_of(whole), "");
+  EXPECT_NE(problem_of(whole.substr(0, whole.size() / 2)).find("the file is cut off"), std::string::npos);
+  std::string bytes = whole;
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
+  EXPECT_NE(problem_of(bytes).find("the checksum of its chunk at byte"), std::string::npos);
+}
+
 TEST(ImageFiles, WhatIsNotWholeIsFound) {
   for (const char* name : {"damaged.png", "damaged.exr"}) {
     const std::string path = test::write_temporary(name, "");

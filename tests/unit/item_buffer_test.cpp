@@ -4,6 +4,7 @@
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/renderer.h"
 #include "common/scene/settings_codec.h"
+#include "tests/deforming_scene.h"
 #include "tests/unit/probe.h"
 
 namespace rayfarm {
@@ -319,6 +320,29 @@ scene:
             world.counts[RayKind::primary] + world.counts[RayKind::reflected]);
 }
 
+TEST(ItemBuffer, ServesWhatTheFrameHasReshapedAndBuiltAnew) {
+  const CompiledScene compiled = compile(test::make_scrambled(40, 16));
+  DeformedParts parts(compiled.scene);
+  parts.set(10);
+  ASSERT_GT(parts.builds(), 0u);
+  RenderSettings settings = test::picture_settings(48, 36, LightingModel::whitted);
+  limit_by_depth(settings, 3);
+  const auto picture = [&](ItemBuffer buffer, double shutter) {
+    settings.item_buffer = buffer;
+    settings.light_cells = buffer == ItemBuffer::none ? 0 : 8;
+    settings.shutter = shutter;
+    Renderer renderer(compiled.scene, settings);
+    renderer.render(0, settings.crop, [] {});  // it has seen another tree
+    return renderer.render(10, settings.crop, [] {}).pixels;
+  };
+  EXPECT_EQ(picture(ItemBuffer::bound, 0), picture(ItemBuffer::none, 0));
+  // With several moments, each of its own shape, there is no one buffer.
+  settings.samples = 4;
+  settings.shutter = 1;
+  EXPECT_FALSE(has_one_eye(compiled.scene, settings));
+  EXPECT_EQ(picture(ItemBuffer::trusted, 1), picture(ItemBuffer::none, 1));
+}
+
 TEST(ItemBuffer, SettingsOutOfRangeAreRefused) {
   const auto is_refused = [](auto change) {
     RenderSettings settings;
@@ -338,6 +362,8 @@ TEST(ItemBuffer, SettingsOutOfRangeAreRefused) {
   EXPECT_TRUE(is_refused([](RenderSettings& s) { s.item_buffer = static_cast<ItemBuffer>(4); }));
   EXPECT_TRUE(is_refused([](RenderSettings& s) { s.item_radius_px = 0.7; }));
   EXPECT_TRUE(is_refused([](RenderSettings& s) { s.item_radius_px = std::nan(""); }));
+  EXPECT_FALSE(is_refused([](RenderSettings& s) { s.samples = kMostSamples; }));
+  EXPECT_TRUE(is_refused([](RenderSettings& s) { s.samples = kMostSamples + 1; }));
   EXPECT_TRUE(is_refused([](RenderSettings& s) { s.light_cells = 1; }));
   EXPECT_TRUE(is_refused([](RenderSettings& s) { s.light_cells = kMostLightCells + 1; }));
   EXPECT_TRUE(is_refused([](RenderSettings& s) {

@@ -253,7 +253,7 @@ TEST(ObjLoader, QuadsNormalsMaterialsAndFaults) {
   const std::string yaml = test::view_text() + "scene: [{mesh: {file: q.obj, smooth: phong}}]\n";
   test::write_temporary(
       "q.obj",
-      "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3 4\nusemtl mirror\nf -1 -2 -3\n");
+      "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3 4\nusemtl mirror\nf -3 -2 -1\n");
   const SceneDescription scene = test::load_yaml(yaml);
   EXPECT_EQ(scene.files.size(), 3u);
   const CompiledScene compiled = compile(scene);

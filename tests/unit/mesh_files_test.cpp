@@ -208,6 +208,56 @@ double area_of(const CompiledScene& compiled, const Box& hole = {}) {
   return sum;
 }
 
+TEST(Loading, TextInUtf16IsRefusedByName) {
+  for (const auto& [name, text] :
+       {std::pair<std::string, std::string>{"wide.ply", "ply\nformat ascii 1.0\n"},
+        {"wide.stl",
+         "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+         "endfacet\nendsolid\n"},
+        {"wide.off", "OFF\n3 1 0\n"},
+        {"wide.obj", "v 0 0 0\n"}})
+    for (const bool has_mark : {true, false}) {
+      std::string wide = has_mark ? "\xff\xfe" : "";
+      for (const char c : text) wide += {c, '\0'};
+      const std::string error = test::error_of(wide, name);
+      EXPECT_NE(error.find("the file is in UTF-16; save it as UTF-8"), std::string::npos) << name << error;
+    }
+}
+
+TEST(Loading, FilesThatAreNotThereAreLookedForWhereTheyWouldBe) {
+  for (const auto& [path, hint] :
+       {std::pair{"/nowhere/a.obj", "/nowhere/a.obj: no such file; check the path"},
+        {"nowhere/a.obj", "check the path (it is relative to /"}})
+    try {
+      load_scene(path);
+      ADD_FAILURE();
+    } catch (const IoError& e) {
+      EXPECT_NE(std::string(e.what()).find(hint), std::string::npos) << e.what();
+      EXPECT_EQ(std::string(e.what()).find("relative") == std::string::npos, path[0] == '/') << e.what();
+    }
+}
+
+TEST(ObjLoader, ALibraryWithBlanksInItsNameIsMissedOnce) {
+  const SceneDescription scene = load_mesh("mtllib no such file.mtl\n" + kTriangle + kFace);
+  expect_note(scene, "mesh.obj:1:8:", "no such file.mtl: no such file");
+  EXPECT_EQ(scene.notes.lines().size(), 1u) << notes_of(scene);
+}
+
+TEST(ObjLoader, NormalsWithoutADirectionLeaveFacesFlat) {
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 0\nvn 0 0 2\n",
+                    rest = "f 1//2 2//2 3//2\nf 1//2 2//2 3//2 4//2\n";
+  const SceneDescription scene = load_mesh(points + "f 1//1 2//2 3//2\nf 1//2 2//2 3//2 4//1\n" + rest);
+  expect_note(scene, "mesh.obj:5:", "a normal without a direction, at which faces are flat, is not used");
+  const CompiledScene compiled = compile(scene);
+  const Scene& s = compiled.scene;
+  ASSERT_EQ(s.triangle_shading.size(), 2u);
+  EXPECT_EQ(s.triangle_shading[0].normals[1], kNone);
+  EXPECT_NE(s.triangle_shading[1].normals[1], kNone);
+  ASSERT_EQ(s.mesh_faces.size(), 2u);
+  EXPECT_EQ(s.mesh_faces[0].first_normal, kNone);
+  EXPECT_NE(s.mesh_faces[1].first_normal, kNone);
+}
+
 TEST(ObjLoader, FacesAreCutIntoTrianglesThatCoverThemOnce) {
   // An L whose inner corner the fan from its first corner would cover: 3 squares.
   const CompiledScene l = compile(

@@ -173,6 +173,37 @@ TEST(MtlLoader, FilesOfOtherMachinesAreFoundBesideTheLibrary) {
   EXPECT_EQ(scene.textures.size(), 1u);
 }
 
+TEST(MtlLoader, ImagesOfTheSameNameAreThoseBesideTheirLibraries) {
+  const auto folder = std::filesystem::path(write_temporary("mesh.mtl", "")).parent_path();
+  for (const auto& [name, red] : {std::pair{"one", 255}, {"two", 0}}) {
+    std::filesystem::create_directories(folder / name);
+    std::ofstream(folder / name / "mesh.obj") << "mtllib mesh.mtl\nusemtl a\n" << kTriangle << kFace;
+    std::ofstream(folder / name / "mesh.mtl") << "newmtl a\nmap_Kd wood.png\n";
+    Image image{1, 1, {0, 0, 1, 1}, make_pixel_layout(PixelFormat::rgb8), std::vector<std::byte>(3)};
+    image.pixels[0] = static_cast<std::byte>(red);
+    write_image((folder / name / "wood.png").string(), image, {});
+  }
+  // The scene's own texture has the name of a file, and a third mesh comes to one of the two by another way.
+  std::ofstream(folder / "mesh.obj") << "mtllib two/mesh.mtl one/../two/again.mtl\nusemtl b\n"
+                                     << kTriangle << kFace;
+  std::ofstream(folder / "two" / "again.mtl") << "newmtl b\nmap_Kd ../one/../two/wood.png\n";
+  const SceneDescription scene =
+      test::load_yaml(test::view_text() + fmt::format(R"(
+textures: {{{}: {{kind: checker}}}}
+scene: [{{mesh: {{file: one/mesh.obj}}}}, {{mesh: {{file: two/mesh.obj}}}}, {{mesh: {{file: mesh.obj}}}}]
+)",
+                                                      (folder / "one/wood.png").string()));
+  const auto red_of = [&](const char* material) {
+    std::vector<uint16_t> reds;
+    for (const MaterialDescription& m : scene.materials)
+      if (m.name == material) reds.push_back(scene.textures.at(m.texture).texels.at(0));
+    return reds;
+  };
+  EXPECT_EQ(red_of("a"), (std::vector<uint16_t>{0x3c00, 0, 0}));
+  EXPECT_EQ(red_of("b"), (std::vector<uint16_t>{0}));
+  EXPECT_EQ(scene.textures.size(), 3u) << "each file is read once";
+}
+
 TEST(MtlLoader, WrongMapsEndInAnErrorAtTheirPlace) {
   const auto expect = [](const std::string& mtl, const std::string& place, const std::string& problem) {
     const std::string error = error_of_mesh("mtllib mesh.mtl\n" + kTriangle + kFace, mtl);

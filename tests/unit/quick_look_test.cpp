@@ -131,5 +131,19 @@ TEST(Creases, PartSurfacesThatMeetAtLargerAngles) {
       std::string::npos);
 }
 
+TEST(QuickLook, SpecksAreNamed) {
+  const auto notes_with = [](const char* size) {
+    const std::string path =
+        test::write_temporary("speck.obj", fmt::format("v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nf 1 2 3\n", size));
+    std::string all;
+    const SceneDescription scene = load_scene(path);
+    for (const std::string& line : scene.notes.lines()) all += line;
+    return all;
+  };
+  EXPECT_NE(notes_with("1e-30").find("speck.obj: the model is too small to be shown by itself"),
+            std::string::npos);
+  EXPECT_EQ(notes_with("1e-12"), "");
+}
+
 }  // namespace
 }  // namespace rayfarm

@@ -120,12 +120,32 @@ TEST(YamlDocuments, WhatIsWrongInAnIncludedFileHasItsPlace) {
             std::string::npos);
 }
 
-TEST(YamlDocuments, FilesThatIncludeEachOtherAreReadOnce) {
-  write_temporary("other.yaml", "include: scene.yaml\nmaterials: {red: {}}\n");
-  const SceneDescription scene =
-      load_yaml("include: other.yaml\n" + view_text() +
-                "scene: [{material: red, sphere: {center: [0, 0, 0], radius: 1}}]\n");
-  EXPECT_EQ(scene.objects[scene.root].primitives.size(), 1u);
+TEST(YamlDocuments, FilesThatIncludeEachOtherAreAnError) {
+  const std::string rest = view_text() + "scene: []\n";
+  write_temporary("other.yaml", "include: third.yaml\nmaterials: {red: {}}\n");
+  write_temporary("third.yaml", "materials: {blue: {}}\ninclude: [scene.yaml]\n");
+  EXPECT_NE(error_of("include: other.yaml\n" + rest)
+                .find("third.yaml:2:11: scene.yaml includes other.yaml includes third.yaml includes "
+                      "scene.yaml: files can't include each other in a circle"),
+            std::string::npos)
+      << error_of("include: other.yaml\n" + rest);
+  EXPECT_NE(
+      error_of("include: scene.yaml\n" + rest).find("scene.yaml:1:10: scene.yaml includes scene.yaml: "),
+      std::string::npos);
+  // Two that include the same are no circle.
+  write_temporary("third.yaml", "materials: {blue: {}}\n");
+  write_temporary("second.yaml", "include: third.yaml\n");
+  EXPECT_EQ(load_yaml("include: [other.yaml, second.yaml]\n" + rest).files.size(), 4u);
+}
+
+TEST(YamlDocuments, WhatIsNoYamlIsNotIncluded) {
+  const std::string rest = view_text() + "scene: []\n";
+  EXPECT_NE(error_of("include: [x.gltf, y.rfp]\n" + rest)
+                .find("scene.yaml:1:11: `include` takes scenes in YAML; a model is shown by "
+                      "`scene: [{mesh: {file: x.gltf}}]`"),
+            std::string::npos)
+      << error_of("include: [x.gltf, y.rfp]\n" + rest);
+  EXPECT_EQ(count_lines(error_of("include: [x.gltf, y.rfp]\n" + rest)), 2u);
 }
 
 TEST(YamlDocuments, AFileThatSeveralDocumentsNameIsReadOnce) {

@@ -210,7 +210,7 @@ void MeshTableReader::set_vertex(size_t row, VertexNumbers& numbers, ChunkCounts
   if (!mesh_.normals.empty()) {
     const glm::vec3 n = numbers.three_from(ColumnRole::normal_x);
     mesh_.normals[row] = is_finite(Vec3(n)) ? n : glm::vec3(0);
-    counts.bad_normals += !is_finite(Vec3(n));
+    counts.bad_normals += !is_finite(Vec3(n)) || n == glm::vec3(0);
   }
   if (has_uvs_ && !has_corner_uvs_) {
     const float u = finite_or_zero(numbers[ColumnRole::u], counts.bad_uvs);
@@ -347,7 +347,7 @@ void add_table_notes(Notes& notes, const MeshTables& tables, const std::string& 
   };
   note(counts.too_small, "a face of fewer than three corners is not used");
   note(counts.without_uvs, "a face whose coordinates of textures are not two for each corner has none");
-  note(counts.bad_normals, "a vertex's normal that is not finite is not used");
+  note(counts.bad_normals, "a vertex's normal that is not finite or has no direction is not used");
   note(counts.bad_uvs, "a coordinate of textures that is not finite is 0");
   note(counts.bad_colors, "a number of a vertex's colour that is not finite is 0");
   for (size_t i = 0; i < counts.rests.size(); ++i)

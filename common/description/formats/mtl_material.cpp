@@ -256,7 +256,9 @@ class MaterialMaker {
   uint32_t texture(const MtlMap& map, const ImageReading& reading, bool has_heights = false) {
     TextureDescription image;
     const std::string path = path_of(map);
+    std::error_code ignored;
     image.name = path;
+    const std::string file = std::filesystem::weakly_canonical(path, ignored).string();
     if (has_heights)
       image.name += " (bumps)";
     else if (reading.part == ImagePart::alpha)
@@ -267,8 +269,10 @@ class MaterialMaker {
       image.name += " (clamped)";
       image.wraps = {TextureWrap::clamp, TextureWrap::clamp};
     }
+    // Others have names of their own, which may read the same.
+    image.origin = (file.empty() ? path : file) + image.name.substr(path.size());
     const auto found = std::find_if(scene_.textures.begin(), scene_.textures.end(),
-                                    [&](const TextureDescription& t) { return t.name == image.name; });
+                                    [&](const TextureDescription& t) { return t.origin == image.origin; });
     if (found != scene_.textures.end()) return static_cast<uint32_t>(found - scene_.textures.begin());
     try {
       load_scene_image(scene_, path, image, stop_, reading);

@@ -40,6 +40,8 @@ class PieceReader {
     } else if (key == "vn") {
       read_numbers(3, v);
       piece_.normals.emplace_back(v[0], v[1], v[2]);
+      if (v[0] == 0 && v[1] == 0 && v[2] == 0)
+        count_unused("a normal without a direction, at which faces are flat,");
     } else if (key == "vt") {
       read_numbers(1, v);
       piece_.uvs.emplace_back(v[0], v[1]);

@@ -120,6 +120,11 @@ void ObjRecords::read_libraries(const ObjPiece::Setting& setting) {
       if (end > begin) names.push_back(all.substr(begin, end - begin));
       begin = end + 1;
     }
+    // Where none of several is there it may be one whose name has blanks: that it is not there is said once.
+    if (std::none_of(names.begin(), names.end(), [&](const std::string& name) {
+          return std::filesystem::exists(folder / name, ignored);
+        }))
+      names = {all};
   }
   for (const std::string& name : names) {
     const std::string library = (folder / name).string();

@@ -10,6 +10,7 @@ void load_ply_mesh(SceneDescription& scene, uint32_t object, const MeshRequest& 
                    const LoadOptions& options) {
   const FileText file = read_large_file(request.path, limits::kFileBytes, options.stop);
   scene.files.push_back(request.path);
+  if (!file.text().starts_with("ply")) refuse_wide_text(request.path, file.text());
   const MeshTables tables = read_ply_header(scene, file.text(), request.path);
   scene.objects[object].primitives.push_back(
       {read_mesh_tables(scene, tables, request, borders_of_pieces(tables.body.size()), options),

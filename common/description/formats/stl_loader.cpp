@@ -89,6 +89,7 @@ void read_bytes(SceneDescription& scene, std::string_view bytes, const MeshReque
                            "follow; this one has {}",
                            kHeadBytes, bytes.size()));
   const uint64_t told = facets_told(bytes), room = (bytes.size() - kHeadBytes) / kFacetBytes;
+  if (told > room) refuse_wide_text(request.path, bytes);
   if (told > room)
     throw InputError(place,
                      fmt::format("the file tells of {} facets, but ends after {}; it was cut off, or is none "

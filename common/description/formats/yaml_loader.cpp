@@ -3,6 +3,7 @@
 #include <istream>
 #include <set>
 
+#include "common/description/formats/mesh_loaders.h"
 #include "common/description/formats/scene_loaders.h"
 #include "common/description/formats/stoppable_text.h"
 #include "common/description/formats/yaml_curves.h"
@@ -15,6 +16,7 @@
 #include "common/description/formats/yaml_textures.h"
 #include "common/description/formats/yaml_view.h"
 #include "common/files/read_file.h"
+#include "common/image/image_file.h"
 
 namespace rayfarm {
 namespace {
@@ -137,9 +139,33 @@ class SceneReader {
   void read_includes(const YamlValue& value, YamlDocument& document, const std::string& path, size_t depth) {
     const std::vector<YamlValue> names = value.is_sequence() ? value.items() : std::vector<YamlValue>{value};
     if (depth == 0) included_.insert(canonical(path));
+    open_.push_back(canonical(path));
     for (const YamlValue& name : names) {
-      const std::string file = document.path_of(name);
-      if (!included_.insert(canonical(file)).second) continue;
+      const std::string file = document.path_of(name), whole = canonical(file);
+      if (const auto above = std::find(open_.begin(), open_.end(), whole); above != open_.end())
+        shared_.problems.keep([&] {
+          std::string way;
+          for (auto step = above; step != open_.end(); ++step)
+            way += std::filesystem::path(*step).filename().string() + " includes ";
+          name.fail(
+              fmt::format("{}{}: files can't include each other in a circle; put what both need into a "
+                          "third one",
+                          way, std::filesystem::path(whole).filename().string()));
+        });
+      if (!included_.insert(whole).second) continue;
+      if (const std::string extension = extension_of(file);
+          extension != ".yaml" && extension != ".yml" &&
+          (find_mesh_format(file) || extension == ".nff" || extension == ".rfp")) {
+        shared_.problems.keep([&] {
+          name.fail(fmt::format(
+              "`include` takes scenes in YAML; {}",
+              extension == ".nff" ? "an NFF file is a scene of its own, which is rendered alone"
+              : extension == ".rfp"
+                  ? fmt::format("compiled objects are `scene: [{{objects: {}}}]`", name.text())
+                  : fmt::format("a model is shown by `scene: [{{mesh: {{file: {}}}}}]`", name.text())));
+        });
+        continue;
+      }
       if (depth + 1 > kIncludeDepth)
         name.fail(fmt::format("files include each other more than {} deep", kIncludeDepth));
       if (included_.size() > kMostDocuments)
@@ -154,6 +180,7 @@ class SceneReader {
         read_document(text, outline(text), file, depth + 1);
       });
     }
+    open_.pop_back();
   }
   static std::string canonical(const std::string& path) {
     std::error_code ignored;
@@ -188,6 +215,7 @@ class SceneReader {
     if (range.size() != 2) value.fail("frames is [first, last]");
     const int first = range[0].whole_number_in(0, 9'999'999);
     scene().frames = {first, range[1].whole_number_in(first, 9'999'999)};
+    scene().has_own_frames = true;
   }
 
   void read_lights(const YamlValue& value, YamlDocument& document) {
@@ -223,6 +251,7 @@ class SceneReader {
   std::optional<size_t> least_list_bytes_;
   YamlScene shared_;
   std::set<std::string> included_;
+  std::vector<std::string> open_;  ///< those that include others, each the one behind it
   bool has_root_ = false, has_unread_lists_ = false;
 };
 

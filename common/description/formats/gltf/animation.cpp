@@ -10,13 +10,24 @@ namespace {
 constexpr double kLeastScale = 1e-6;
 constexpr double kMostFrame = 9'999'999;
 
-/// Which clip the options ask for.
-size_t clip_index(const GltfFile& file) {
-  if (file.options().clip.empty()) return 0;
+/// Which clip the options ask for; none if the file has none of that name, as another may have it.
+std::optional<size_t> clip_index(const GltfFile& file, SceneDescription& scene) {
+  const std::string& wanted = file.options().clip;
+  const size_t count = file.count("animations");
+  if (wanted.empty()) return count > 0 ? std::optional<size_t>(0) : std::nullopt;
   std::vector<std::string> names;
-  for (size_t i = 0; i < file.count("animations"); ++i)
-    names.push_back(file.item("animations", i).text("name", ""));
-  return file.find_choice("clip", file.options().clip, names);
+  for (size_t i = 0; i < count; ++i) names.push_back(file.item("animations", i).text("name", ""));
+  try {
+    const size_t index = file.find_choice("clip", wanted, names);
+    scene.clip.is_found = true;
+    return index;
+  } catch (const InputError& e) {
+    scene.clip.missing.emplace_back(e.what());
+    if (count > 0)
+      scene.notes.add({file.path()},
+                      fmt::format("it has no clip '{}', and stands as it does without one", wanted));
+    return std::nullopt;
+  }
 }
 
 }  // namespace
@@ -32,9 +43,10 @@ Vec4 unit_quaternion(const Vec4& q) {
   return length > 0 ? q / length : Vec4(0, 0, 0, 1);
 }
 
-GltfAnimation::GltfAnimation(const GltfFile& file, Notes& notes) : file_(file) {
-  if (file.count("animations") == 0 && file.options().clip.empty()) return;
-  read(file.item("animations", clip_index(file)), notes);
+GltfAnimation::GltfAnimation(const GltfFile& file, SceneDescription& scene) : file_(file) {
+  const std::optional<size_t> clip = clip_index(file, scene);
+  if (!clip) return;
+  read(file.item("animations", *clip), scene.notes);
   frames_ = {0, static_cast<int>(std::clamp(std::ceil(last_frame_ - 1e-3), 0.0, kMostFrame))};
 }
 
@@ -107,14 +119,28 @@ void GltfAnimation::read_channel(const GltfValue& clip, const GltfValue& channel
               fmt::format("the clip changes '{}' of a node, which is not read", path.substr(0, 30)));
     return;
   }
+  const size_t targets = is_weights ? morph_targets_of(node) : 1, parts = is_weights    ? 1
+                                                                          : is_rotation ? 4
+                                                                                        : 3;
+  const GltfValue moved = file_.item("nodes", node);
+  if (targets == 0) {
+    notes.add(
+        clip.place(),
+        fmt::format("{}: the clip changes weights of its morph targets, but it has none; the channel is "
+                    "left out",
+                    moved.where()));
+    return;
+  }
+  if (!is_weights && moved.has("matrix"))
+    notes.add(clip.place(),
+              fmt::format("{}: its `matrix` is not used, as the clip changes its {}: glTF allows such a node "
+                          "translation, rotation and scale alone",
+                          moved.where(), path));
   std::vector<size_t> kept;
   const std::vector<double> frames = read_times(sampler, kept, notes);
   const uint32_t output = sampler.index("output", file_.count("accessors"));
   if (output == kNone) sampler.at("output");
   const GltfAccessor accessor(file_, output);
-  const size_t targets = is_weights ? morph_targets_of(node) : 1, parts = is_weights    ? 1
-                                                                          : is_rotation ? 4
-                                                                                        : 3;
   accessor.expect_components({parts});
   const size_t keys = GltfAccessor(file_, sampler.index("input", file_.count("accessors"))).count();
   const size_t per_key = is_cubic ? 3 : 1;

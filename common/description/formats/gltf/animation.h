@@ -15,9 +15,9 @@ struct GltfMotion {
 
 class GltfAnimation {
  public:
-  /// The clip that the file's options name, or its first. Throws InputError if there is none of that name, or
-  /// it is damaged.
-  GltfAnimation(const GltfFile& file, Notes& notes);
+  /// The clip that the file's options name, or its first. Where there is none of that name nothing moves, and
+  /// the scene's ClipSearch knows. Throws InputError if it is damaged.
+  GltfAnimation(const GltfFile& file, SceneDescription& scene);
 
   const GltfMotion* find(uint32_t node) const;
   /// From the first frame to the clip's last; none if the file has no clip.

@@ -22,7 +22,7 @@ void read_skin(const GltfFile& file, const GltfValue& primitive, size_t count, c
   d.influences = static_cast<uint32_t>(4 * sets);
   d.joint_of.resize(used.count * d.influences);
   d.weights.resize(used.count * d.influences);
-  file.take_elements(primitive, used.count * sets);
+  if (!deformer.is_copy) file.take_elements(primitive, used.count * sets);
   for (size_t set = 0; set < sets; ++set) {
     const std::string joints_key = fmt::format("JOINTS_{}", set),
                       weights_key = fmt::format("WEIGHTS_{}", set);
@@ -64,7 +64,7 @@ struct Change {
 
 /// Those of a target that are not zero, in the vertices' order.
 std::vector<Change> read_changes(const GltfFile& file, const GltfAccessor& accessor,
-                                 const GltfUsedVertices& used) {
+                                 const GltfUsedVertices& used, bool is_copy) {
   std::vector<Change> changes;
   const auto add = [&](size_t vertex, const float* v) {
     const glm::vec3 by(v[0], v[1], v[2]);
@@ -82,7 +82,7 @@ std::vector<Change> read_changes(const GltfFile& file, const GltfAccessor& acces
     accessor.read(std::span<float>(values), used.vertices);
     for (size_t i = 0; i < used.count; ++i) add(i, &values[3 * i]);
   }
-  file.take_elements(accessor.value(), changes.size());
+  if (!is_copy) file.take_elements(accessor.value(), changes.size());
   return changes;
 }
 
@@ -99,8 +99,8 @@ void read_targets(const GltfFile& file, const GltfValue& primitive, size_t count
     std::vector<Change> positions, normals;
     for (const std::string& key : target.keys()) {
       if (key == "POSITION" || (key == "NORMAL" && has_normals))
-        (key == "POSITION" ? positions : normals) =
-            read_changes(file, GltfAccessor::of_vertices(file, target, key.c_str(), count, {3}), used);
+        (key == "POSITION" ? positions : normals) = read_changes(
+            file, GltfAccessor::of_vertices(file, target, key.c_str(), count, {3}), used, deformer.is_copy);
       else if (key != "NORMAL" && key != "TANGENT")
         ++notes.other_targets;
     }

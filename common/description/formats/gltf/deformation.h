@@ -10,6 +10,8 @@ struct GltfDeformer {
   uint32_t skeleton = kNone;
   std::vector<DeformationDescription::Joint> joints;  ///< none: it has no skin
   std::vector<Curve> weights;                         ///< of morph targets
+  /// Of a mesh that another node has, too: what it is made of is counted already (GltfFile::take_elements).
+  bool is_copy = false;
 };
 
 /// Vertices of a primitive that its triangles use, if those are few.

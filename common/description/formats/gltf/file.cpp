@@ -19,6 +19,8 @@ constexpr uint64_t kLeastElementBytes = 3;        // of a triangle, by indices o
 /// Those that are made of the same bytes several times.
 constexpr uint64_t kRepeatedElements = 1'000'000;
 constexpr uint64_t kMostZeros = 64'000'000;
+/// Of meshes that nodes have of their own: some 20 million triangles.
+constexpr double kMostCopiedBytes = 4.0 * (1ull << 30);
 
 uint32_t word_at(const std::string& bytes, size_t at) {
   uint32_t word = 0;
@@ -69,20 +71,33 @@ GltfFile::GltfFile(const std::string& path, const LoadOptions& options) : path_(
   const bool is_glb = extension_of(path) == ".glb";
   std::string text = read_file(path, is_glb ? limits::kFileBytes : kMostJsonBytes, options.stop);
   count_opened(options.progress, text.size());
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError({path_}, text.empty() ? "the file is empty; export it anew"
+                                           : "there is nothing but blanks in the file; export it anew");
+  if (is_glb && text.size() < 4)
+    throw InputError({path_},
+                     "it is too short for a binary glTF, whose header has 12 bytes; the file is "
+                     "damaged or cut off");
   if (text.starts_with("glTF")) {
     glb_ = std::move(text);
     open_glb();
   } else {
     std::string_view json = text;
+    refuse_wide_text(path_, json);
     if (json.starts_with("\xef\xbb\xbf")) json.remove_prefix(3);
     json_ = parse_gltf_json(json, path_);
     count_read(options.progress, text.size());
   }
   const GltfValue asset = root().at("asset");
-  const std::string version = asset.at("version").text();
-  if (!version.starts_with("2.") || asset.text("minVersion", "2.0") > std::string("2.0"))
+  const std::string version = asset.at("version").text(), least = asset.text("minVersion", "2.0");
+  if (!version.starts_with("2."))
     throw InputError({path_}, fmt::format("it is of glTF {}, but glTF 2.0 is what is read; export it as that",
                                           version.substr(0, 20)));
+  if (least != "2.0")
+    throw InputError({path_},
+                     fmt::format("its asset.minVersion asks for a reader of glTF {}, but glTF 2.0 is "
+                                 "what is read; export it for that",
+                                 least.substr(0, 20)));
   buffers_.resize(count("buffers"));
   decoded_.resize(count("bufferViews"));
 }
@@ -135,24 +150,37 @@ std::optional<std::string> GltfFile::path_of_uri(const GltfValue& uri) const {
   const std::string& text = uri.text();
   if (text.starts_with("data:")) return std::nullopt;
   if (text.find("://") != std::string::npos)
-    uri.fail(fmt::format("'{}' is not on this machine; fetch it, and name it by its place beside the file",
+    uri.fail(fmt::format("'{}' is not read; fetch it, and name it by its place beside the file",
                          text.substr(0, 100)));
   return (std::filesystem::path(path_).parent_path() / percent_decoded(uri, text)).string();
+}
+
+void GltfFile::fail_of_uri(const GltfValue& uri, std::string_view problem) const {
+  const std::string& text = uri.text();
+  const bool is_absolute = text.starts_with('/') || text.starts_with("file:") ||
+                           (text.size() > 1 && text[1] == ':') || text.find('\\') != std::string::npos;
+  uri.fail(fmt::format("{}{}", problem,
+                       is_absolute ? "; a URI here is a path from this file on, with `/` between folders: "
+                                     "put what it names beside the file, and name it so"
+                                   : ""));
 }
 
 std::span<const std::byte> GltfFile::bytes_of_uri(const GltfValue& uri) const {
   const auto path = path_of_uri(uri);
   if (!path) {
+    const auto [known, is_new] = data_uris_.try_emplace(uri.where());
+    if (!is_new) return known->second;
     const std::string_view text = uri.text();
     const size_t comma = text.find(',');
     if (comma == std::string_view::npos || !text.substr(0, comma).ends_with(";base64"))
       uri.fail("a URI with data in it must hold it as base64");
-    return bytes_of(contents_.emplace_back(base64_decoded(uri, text.substr(comma + 1))));
+    known->second = bytes_of(contents_.emplace_back(base64_decoded(uri, text.substr(comma + 1))));
+    return known->second;
   }
   try {
     contents_.push_back(read_file(*path, limits::kFileBytes, options_.stop));
   } catch (const IoError& e) {
-    uri.fail(e.what());
+    fail_of_uri(uri, e.what());
   }
   count_opened(options_.progress, contents_.back().size());
   count_read(options_.progress, contents_.back().size());
@@ -253,7 +281,18 @@ void GltfFile::take_elements(const GltfValue& owner, uint64_t count) const {
   if (elements_ > buffer_bytes_ / kLeastElementBytes + kRepeatedElements)
     owner.fail(
         "the file's meshes use the same data over and over, so that they have too many faces; give several "
-        "nodes one mesh instead");
+        "nodes one mesh instead of several meshes the same data");
+}
+
+void GltfFile::take_copies(const GltfValue& owner, double bytes) const {
+  copied_bytes_ += bytes;
+  if (copied_bytes_ > kMostCopiedBytes)
+    owner.fail(fmt::format(
+        "each node with a skin or morph targets bends a copy of its mesh of its own, and those of "
+        "this file would take {:.1f} GiB, where {:.0f} are allowed; use fewer such nodes, meshes of "
+        "fewer triangles or skins of fewer joints (copies by EXT_mesh_gpu_instancing share one "
+        "morphed shape)",
+        copied_bytes_ / (1ull << 30), kMostCopiedBytes / (1ull << 30)));
 }
 
 void GltfFile::take_zeros(const GltfValue& owner, uint64_t values) const {

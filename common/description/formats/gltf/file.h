@@ -1,6 +1,7 @@
 #pragma once
 // A glTF 2.0 file, .gltf or .glb, with its buffers: bytes are handed out only where they are there.
 #include <deque>
+#include <map>
 #include <span>
 
 #include "common/description/formats/gltf/value.h"
@@ -36,6 +37,9 @@ class GltfFile {
   View view(uint32_t index) const;
   /// The file beside this one that a URI names; none if it holds the bytes itself.
   std::optional<std::string> path_of_uri(const GltfValue& uri) const;
+  /// Throws InputError: why what a URI names can't be read, and what to do where its path is of another
+  /// machine.
+  [[noreturn]] void fail_of_uri(const GltfValue& uri, std::string_view problem) const;
   /// What a URI names or holds.
   std::span<const std::byte> bytes_of_uri(const GltfValue& uri) const;
   /// All files that were read beside it so far.
@@ -44,6 +48,9 @@ class GltfFile {
   /// Counts faces and other things of a mesh, and what stands for nothing but zeros: a small file can have
   /// much of it, as accessors may be used again and again. Throws InputError beyond what its size warrants.
   void take_elements(const GltfValue& owner, uint64_t count) const;
+  /// Counts what nodes need for meshes of their own: of skinned and morphed ones, which no others bend as
+  /// they do. Throws InputError beyond what a program may be expected to hold.
+  void take_copies(const GltfValue& owner, double bytes) const;
   void take_zeros(const GltfValue& owner, uint64_t values) const;
 
  private:
@@ -58,10 +65,12 @@ class GltfFile {
   std::shared_ptr<const nlohmann::json> json_;
   mutable std::vector<std::string> files_;
   // Read when they are first asked for.
-  mutable std::deque<std::string> contents_;  ///< of files and URIs
+  mutable std::deque<std::string> contents_;                             ///< of files and URIs
+  mutable std::map<std::string, std::span<const std::byte>> data_uris_;  ///< decoded, by where they stand
   mutable std::vector<std::optional<std::span<const std::byte>>> buffers_;
   mutable std::vector<std::optional<View>> decoded_;  ///< by view
   mutable uint64_t buffer_bytes_ = 0, elements_ = 0, zeros_ = 0;
+  mutable double copied_bytes_ = 0;
 };
 
 }  // namespace rayfarm

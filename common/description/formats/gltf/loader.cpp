@@ -69,14 +69,18 @@ SceneDescription load_gltf_scene(const std::string& path, const LoadOptions& opt
   scene.materials.emplace_back("default");
   const GltfFile file(path, options);
   check_extensions(file, scene.notes);
-  const GltfAnimation animation(file, scene.notes);
+  const GltfAnimation animation(file, scene);
+  scene.clip.check();
   GltfNodes nodes(file, scene, animation, {});
   const uint32_t root = nodes.add_all();
   nodes.add_notes();
   scene.objects[0].children.push_back({root, {}, {}});
   scene.frames = animation.frames();
   set_view(file, animation, nodes.cameras(), scene);
-  if (const Box bounds = bounds_of(scene); !bounds.is_empty()) add_quick_look(scene, make_quick_look(bounds));
+  const Box bounds = bounds_of(scene);
+  if (bounds.is_empty())
+    throw InputError({path}, "there is nothing in it to look at: the nodes of its scene have no triangles");
+  add_quick_look(scene, make_quick_look(bounds));
   if (scene.render.empty())  // it has lights of its own
     scene.render = {{"lighting", QuickLook::kLighting, {}},
                     {"samples", fmt::format("{}", QuickLook::kSamples), {}}};
@@ -88,7 +92,7 @@ void load_gltf_mesh(SceneDescription& scene, uint32_t object, const MeshRequest&
   const GltfFile file(request.path, options);
   scene.files.push_back(request.path);
   check_extensions(file, scene.notes);
-  const GltfAnimation animation(file, scene.notes);
+  const GltfAnimation animation(file, scene);
   const size_t first_object = scene.objects.size();
   GltfNodes nodes(file, scene, animation, request.place);
   const uint32_t root = nodes.add_all();
@@ -98,7 +102,10 @@ void load_gltf_mesh(SceneDescription& scene, uint32_t object, const MeshRequest&
                     "`crease` does nothing for glTF, whose meshes have normals or are flat");
   nodes.add_notes();
   scene.objects[object].children.push_back({root, {}, request.place});
-  if (!scene.frames) scene.frames = animation.frames();
+  if (const auto frames = animation.frames(); frames && !scene.has_own_frames) {
+    if (!scene.frames) scene.frames = frames;
+    (*scene.frames)[1] = std::max((*scene.frames)[1], (*frames)[1]);  // all clips begin at 0
+  }
   if (!nodes.cameras().empty())
     scene.notes.add({request.path},
                     "its cameras are not used: the scene that names it has a view of its own");

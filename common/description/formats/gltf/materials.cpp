@@ -21,6 +21,9 @@ TextureWrap wrap_of(const GltfValue& sampler, const char* key) {
   }
 }
 
+/// Of `offset` and `scale`: with coordinates that are float nothing overflows in double.
+constexpr double kMostTextureMove = 1e6;
+
 /// What the extension of an image of these bytes would be.
 const char* extension_of_bytes(std::span<const std::byte> bytes) {
   const auto begins = [&](std::string_view mark) {
@@ -55,6 +58,11 @@ struct GltfMaterials::Reader {
         if (!v) return;
         const std::vector<double> numbers = v->numbers(2);
         to = {numbers[0], numbers[1]};
+        if (max_magnitude(Vec3(to, 0)) > kMostTextureMove)
+          v->fail(
+              fmt::format("numbers from -{0:g} to {0:g} were expected: a texture that repeats more often "
+                          "between two corners is not there to be seen",
+                          kMostTextureMove));
       };
       pair("offset", offset);
       pair("scale", scale);
@@ -256,6 +264,7 @@ uint32_t GltfMaterials::image(uint32_t source, uint32_t sampler, ImagePart part,
       return kNone;  // it is 1 everywhere
     load_scene_image(scene_, file, texture, file_.options().stop, reading);
   } catch (const IoError& e) {
+    if (uri) file_.fail_of_uri(*uri, e.what());
     value.fail(e.what());
   }
   // `known` is still there: nothing else was looked up meanwhile.

@@ -62,12 +62,12 @@ LargeVector<uint32_t> GltfMeshes::read_corners(const GltfValue& value, const Glt
 }
 
 LargeVector<glm::uvec3> GltfMeshes::make_triangles(const GltfValue& value, std::span<const uint32_t> corners,
-                                                   Topology mode) {
+                                                   Topology mode, bool is_copy) {
   const size_t count = mode == Topology::triangles ? corners.size() / 3
                        : corners.size() < 3        ? 0
                                                    : corners.size() - 2;
   if (count > limits::kPrimitives) value.fail("it has too many triangles");
-  file_.take_elements(value, count);
+  if (!is_copy) file_.take_elements(value, count);
   if (mode == Topology::triangles && corners.size() % 3 != 0) ++cut_off_;
   LargeVector<glm::uvec3> result;
   result.reserve(count);
@@ -145,8 +145,9 @@ void GltfMeshes::read_uvs(const GltfAccessor& accessor, const GltfUsedVertices& 
 void GltfMeshes::note_attributes(const GltfValue& primitive) {
   for (const std::string& name : primitive.at("attributes").keys()) {
     const bool is_known = name == "POSITION" || name == "NORMAL" || name == "TEXCOORD_0" ||
-                          name == "TEXCOORD_1" || name == "COLOR_0" || name.starts_with("JOINTS_") ||
-                          name.starts_with("WEIGHTS_") || name.starts_with("_");  // an application's own
+                          name == "TEXCOORD_1" || name == "COLOR_0" || name == "TANGENT" ||
+                          name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
+                          name.starts_with("_");  // an application's own
     if (!is_known && unused_.size() < 20) unused_.insert(name.substr(0, 40));
   }
 }
@@ -175,7 +176,7 @@ std::optional<PrimitiveDescription> GltfMeshes::read(const GltfValue& value, con
   if (mode < Topology::triangles) return std::nullopt;
 
   MeshShape mesh;
-  mesh.triangles = make_triangles(value, corners, mode);
+  mesh.triangles = make_triangles(value, corners, mode, deformer && deformer->is_copy);
   if (mesh.triangles.empty()) {
     ++empty_;
     return std::nullopt;
@@ -209,6 +210,13 @@ std::optional<PrimitiveDescription> GltfMeshes::read(const GltfValue& value, con
   };
   without_uvs_ += mesh.uvs.empty() && needs(0) ? 1 : 0;
   without_second_uvs_ += mesh.second_uvs.empty() && needs(1) ? 1 : 0;
+  const auto has_normal_map = [&](PrincipledInput input) {
+    return sources[static_cast<size_t>(input)].texture != kNone;
+  };
+  tangents_ += attributes.has("TANGENT") && (has_normal_map(PrincipledInput::normal) ||
+                                             has_normal_map(PrincipledInput::clearcoat_normal))
+                   ? 1
+                   : 0;
   note_attributes(value);
   if (deformer)
     mesh.deformation =
@@ -232,12 +240,13 @@ void GltfMeshes::add_notes() const {
       "with textures but without TEXCOORD_0: every triangle shows a triangle of its textures");
   add(without_second_uvs_, "primitive", "primitives",
       "with textures for TEXCOORD_1 but without that: they are laid out by TEXCOORD_0");
+  add(tangents_, "primitive", "primitives",
+      "whose TANGENT is not read: maps of normals lie along the directions of the texture coordinates, as "
+      "where a file has no tangents");
   add(bad_uvs_, "texture coordinate", "texture coordinates", "that are no numbers, taken for 0");
   std::string names;
   for (const std::string& name : unused_) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
-  if (!names.empty())
-    scene_.notes.add({file_.path()},
-                     fmt::format("not used of vertices: {} (tangents follow from TEXCOORD)", names));
+  if (!names.empty()) scene_.notes.add({file_.path()}, fmt::format("not used of vertices: {}", names));
   notes_of_deformation_.add_to(scene_.notes, {file_.path()});
 }
 

@@ -31,7 +31,7 @@ class GltfMeshes {
   std::optional<PrimitiveDescription> read(const GltfValue& value, const GltfDeformer* deformer);
   LargeVector<uint32_t> read_corners(const GltfValue& value, const GltfAccessor& positions);
   LargeVector<glm::uvec3> make_triangles(const GltfValue& value, std::span<const uint32_t> corners,
-                                         Topology mode);
+                                         Topology mode, bool is_copy);
   static GltfUsedVertices keep_used(LargeVector<glm::uvec3>& triangles, size_t count);
   std::optional<GltfAccessor> attribute(const GltfValue& primitive, const std::string& name, size_t count,
                                         std::initializer_list<size_t> components) const;
@@ -45,7 +45,7 @@ class GltfMeshes {
   GltfMaterials& materials_;
   Place place_;
   size_t points_ = 0, lines_ = 0, cut_off_ = 0, bad_normals_ = 0, bad_uvs_ = 0, empty_ = 0;
-  size_t bad_colors_ = 0, without_uvs_ = 0, without_second_uvs_ = 0;
+  size_t bad_colors_ = 0, without_uvs_ = 0, without_second_uvs_ = 0, tangents_ = 0;
   std::set<std::string> unused_;
   GltfDeformationNotes notes_of_deformation_;
 };

@@ -88,6 +88,8 @@ void GltfNodes::collect(const std::vector<uint32_t>& roots) {
     const GltfValue value = file_.item("nodes", node);
     if (depth > kMostDepth) value.fail(fmt::format("nodes are nested more than {} deep", kMostDepth));
     order_.push_back(node);
+    if (value.has("matrix") && (value.has("translation") || value.has("rotation") || value.has("scale")))
+      ++doubled_places_;
     if (const auto children = value.find("children"))
       for (size_t i = children->size(); i-- > 0;)
         open.emplace_back(static_cast<uint32_t>((*children)[i].whole_number()), depth + 1);
@@ -148,7 +150,8 @@ std::optional<std::vector<DeformationDescription::Joint>> GltfNodes::joints_of(u
     if (joints[j].bone == kNone) return std::nullopt;  // it is in another scene of the file
   }
   const uint32_t matrices = value.index("inverseBindMatrices", file_.count("accessors"));
-  if (matrices == kNone) return joints;
+  if (joints.empty()) empty_skins_.insert(skin);
+  if (matrices == kNone || joints.empty()) return joints;
   const GltfAccessor accessor(file_, matrices);
   accessor.expect_components({16});
   if (accessor.count() < joints.size())
@@ -166,25 +169,26 @@ std::optional<std::vector<DeformationDescription::Joint>> GltfNodes::joints_of(u
   return joints;
 }
 
+void GltfNodes::add_shared(uint32_t node, uint32_t mesh) {
+  const auto [known, is_new] = mesh_objects_.try_emplace(mesh, kNone);
+  if (is_new) {
+    std::vector<PrimitiveDescription> primitives = meshes_.primitives(mesh, nullptr);
+    if (primitives.empty()) return;
+    known->second = add_object(file_.name_of(file_.item("meshes", mesh)));
+    scene_.objects[known->second].primitives = std::move(primitives);
+  }
+  if (known->second == kNone) return;
+  const uint32_t user = object_of(node);
+  for (std::vector<TransformStep>& copy : copies_of(file_.item("nodes", node)))
+    scene_.objects[user].children.push_back({known->second, std::move(copy), place_});
+}
+
 void GltfNodes::add_mesh(uint32_t node, uint32_t mesh) {
   const GltfValue value = file_.item("nodes", node);
   const uint32_t skin = value.index("skin", file_.count("skins"));
   const size_t targets = file_.morph_targets(mesh);
-  if (skin == kNone && targets == 0) {
-    // Nodes that use the same mesh share one object.
-    const auto [known, is_new] = mesh_objects_.try_emplace(mesh, kNone);
-    if (is_new) {
-      std::vector<PrimitiveDescription> primitives = meshes_.primitives(mesh, nullptr);
-      if (primitives.empty()) return;
-      known->second = add_object(file_.name_of(file_.item("meshes", mesh)));
-      scene_.objects[known->second].primitives = std::move(primitives);
-    }
-    if (known->second == kNone) return;
-    const uint32_t user = object_of(node);
-    for (std::vector<TransformStep>& copy : copies_of(value))
-      scene_.objects[user].children.push_back({known->second, std::move(copy), place_});
-    return;
-  }
+  if (targets == 0 && (value.has("weights") || file_.item("meshes", mesh).has("weights"))) ++idle_weights_;
+  if (skin == kNone && targets == 0) return add_shared(node, mesh);
   GltfDeformer deformer;
   if (skin != kNone) {
     auto joints = joints_of(skin);
@@ -196,57 +200,29 @@ void GltfNodes::add_mesh(uint32_t node, uint32_t mesh) {
     deformer.joints = std::move(*joints);
   }
   deformer.weights = animation_.weights_of(node, targets);
+  Copies& all = copies_[{mesh, skin != kNone}];
+  deformer.is_copy = all.is_read;
+  std::vector<PrimitiveDescription> primitives = meshes_.primitives(mesh, &deformer);
+  if (!std::exchange(all.is_read, true)) take_copies(value, primitives, all.nodes - 1);
+  std::vector<std::vector<TransformStep>> copies = copies_of(value);
   // A mesh with a skin moves with its bones alone; others, and what of it has no joints, with the node.
   uint32_t in_skin = kNone, in_node = kNone, as_it_is = kNone;
-  for (PrimitiveDescription& primitive : meshes_.primitives(mesh, &deformer)) {
+  for (PrimitiveDescription& primitive : primitives) {
     const auto& deformation = std::get<MeshShape>(primitive.shape).deformation;
     const bool is_skinned = deformation && deformation->skeleton != kNone;
     uint32_t& object = is_skinned ? in_skin : deformation ? in_node : as_it_is;
     if (object == kNone) {
       object = add_object(file_.name_of(value));
       const uint32_t user = is_skinned ? root_ : object_of(node);
-      scene_.objects[user].children.push_back({object, {}, place_});
+      if (is_skinned) skinned_copies_ += copies.size() - 1;
+      for (const std::vector<TransformStep>& copy : copies) {
+        scene_.objects[user].children.push_back(
+            {object, is_skinned ? std::vector<TransformStep>() : copy, place_});
+        if (is_skinned) break;  // all of them would stand in its place
+      }
     }
     scene_.objects[object].primitives.push_back(std::move(primitive));
   }
-}
-
-std::vector<std::vector<TransformStep>> GltfNodes::copies_of(const GltfValue& node) const {
-  const auto extension = node.extension("EXT_mesh_gpu_instancing");
-  if (!extension) return {{}};
-  const GltfValue attributes = extension->at("attributes");
-  std::vector<Affine> places;
-  const auto apply = [&](const char* key, TransformKind kind, size_t parts) {
-    const uint32_t index = attributes.index(key, file_.count("accessors"));
-    if (index == kNone) return;
-    const GltfAccessor accessor(file_, index);
-    accessor.expect_components({parts});
-    if (places.empty() && accessor.count() <= limits::kInstances) {
-      file_.take_elements(attributes, accessor.count());
-      places.resize(accessor.count());
-    }
-    if (places.size() != accessor.count())
-      attributes.at(key).fail("it makes too many copies, or others than the attribute beside it");
-    const LargeVector<float> values = accessor.all<float>();
-    for (size_t i = 0; i < places.size(); ++i) {
-      Vec4 value(0);
-      for (size_t c = 0; c < parts; ++c)
-        value[static_cast<int>(c)] = static_cast<double>(values[parts * i + c]);
-      if (!is_finite(Vec3(value)) || !std::isfinite(value.w))
-        attributes.at(key).fail(fmt::format("copy {} has numbers that are none", i));
-      value = kind == TransformKind::scale    ? nonzero_scale(value)
-              : kind == TransformKind::orient ? unit_quaternion(value)
-                                              : value;
-      places[i] = eval_transform(kind, value, {}, {}) * places[i];
-    }
-  };
-  apply("SCALE", TransformKind::scale, 3);
-  apply("ROTATION", TransformKind::orient, 4);
-  apply("TRANSLATION", TransformKind::translate, 3);
-  std::vector<std::vector<TransformStep>> copies;
-  for (const Affine& place : places)
-    copies.push_back({{TransformKind::matrix, constant_curve(Vec4(0)), {}, place}});
-  return copies;
 }
 
 void GltfNodes::add_light(uint32_t node, const GltfValue& use) {
@@ -312,6 +288,7 @@ uint32_t GltfNodes::add_all() {
   root_ = add_object(file_.path());
   collect(roots());
   make_skeleton();
+  count_copies();
   for (const uint32_t node : order_) add_content(node);
   scene_.files.insert(scene_.files.end(), file_.files().begin(), file_.files().end());
   return root_;
@@ -332,6 +309,20 @@ void GltfNodes::add_notes() {
   if (hidden_skins_ > 0)
     add(fmt::format("{} meshes whose skins have joints that the scene doesn't show are left out",
                     hidden_skins_));
+  if (skinned_copies_ > 0)
+    add(
+        fmt::format("{} copies that EXT_mesh_gpu_instancing makes of meshes with skins are left out: such a "
+                    "mesh stands where its joints are, and all its copies would stand in one place",
+                    skinned_copies_));
+  for (const uint32_t skin : empty_skins_)
+    add(fmt::format("skins[{}] has no joints: meshes stand in it as they are without a skin", skin));
+  if (idle_weights_ > 0)
+    add(fmt::format("`weights` of {} nodes are not used: their meshes have no morph targets", idle_weights_));
+  if (doubled_places_ > 0)
+    add(fmt::format(
+        "translation, rotation or scale of {} nodes is not used: they have a `matrix`, too, which "
+        "glTF does not allow, and which counts where no clip moves them",
+        doubled_places_));
   if (const size_t scenes = file_.count("scenes"); scenes > 1)
     add(fmt::format("of {} scenes one is shown, that of its `scene`, or the first", scenes));
 }

@@ -29,8 +29,14 @@ class GltfNodes {
   /// Parents stand before their children.
   void collect(const std::vector<uint32_t>& roots);
   void make_skeleton();
+  /// Counts which meshes nodes need for themselves, and what of these is known before they are read.
+  void count_copies();
+  /// Of a mesh that was read for its first node: `more` others, before they are made.
+  void take_copies(const GltfValue& node, std::span<const PrimitiveDescription> primitives,
+                   size_t more) const;
   void add_content(uint32_t node);
   void add_mesh(uint32_t node, uint32_t mesh);
+  void add_shared(uint32_t node, uint32_t mesh);
   /// How its mesh stands in a node, once for each copy.
   std::vector<std::vector<TransformStep>> copies_of(const GltfValue& node) const;
   void add_light(uint32_t node, const GltfValue& use);
@@ -50,9 +56,17 @@ class GltfNodes {
   std::vector<uint32_t> bones_;    ///< of the skeleton, by node
   uint32_t skeleton_ = kNone;
   std::map<uint32_t, uint32_t> mesh_objects_;  ///< of meshes that nodes share
+  struct Copies {
+    size_t nodes = 0;
+    bool is_read = false;
+  };
+  /// Of meshes that nodes have of their own, with and without a skin.
+  std::map<std::pair<uint32_t, bool>, Copies> copies_;
   std::vector<GltfPlacedCamera> cameras_;
   uint32_t root_ = 0;
   size_t light_count_ = 0, ranges_ = 0, dark_lights_ = 0, wide_cones_ = 0, hidden_skins_ = 0;
+  size_t skinned_copies_ = 0, doubled_places_ = 0, idle_weights_ = 0;
+  std::set<uint32_t> empty_skins_;
 };
 
 }  // namespace rayfarm
