@@ -21,24 +21,28 @@ constexpr uint64_t kMostPixelsPerByte = 8 * 1032;
 /// bytes.
 constexpr uint64_t kPixelsOfAnyFile = 1 << 22;
 
-/// OpenImageIO's module, which stands beside the executable or in ../lib; a test's executable stands below.
+constexpr const char* kModule = "rayfarm_image_formats.so";
+
+/// OpenImageIO's module, which stands beside the executable or in ../lib/rayfarm; a test's executable stands
+/// below. Programs that link the installed library know its folder from their run path.
 OpenImageFunction* load_reader() {
   static OpenImageFunction* const reader = [] {
     const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     void* module = nullptr;
-    for (const char* place : {".", "../lib", ".."}) {
-      const std::filesystem::path path = folder / place / "rayfarm_image_formats.so";
+    for (const char* place : {".", "../lib/rayfarm", ".."}) {
+      const std::filesystem::path path = folder / place / kModule;
       if (module || !std::filesystem::exists(path)) continue;
       module = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
       if (!module)
         throw IoError(fmt::format("OpenImageIO can't be loaded: {}; ./deploy/setup installs it", dlerror()));
     }
+    if (!module) module = dlopen(kModule, RTLD_NOW | RTLD_LOCAL);
     void* symbol = module ? dlsym(module, kOpenImageSymbol) : nullptr;
     if (!symbol)
-      throw IoError(
-          fmt::format("OpenImageIO can't be loaded: rayfarm_image_formats.so is missing; it belongs beside "
-                      "the executable ({}) or in ../lib",
-                      folder.string()));
+      throw IoError(fmt::format(
+          "OpenImageIO can't be loaded: {}; it belongs beside the executable ({}), in ../lib/rayfarm "
+          "or in a folder of its run path",
+          dlerror(), folder.string()));
     return reinterpret_cast<OpenImageFunction*>(symbol);
   }();
   return reader;

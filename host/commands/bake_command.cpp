@@ -51,6 +51,8 @@ void add_bake_command(CommandLine& line) {
   Verb verb;
   verb.name = "bake";
   verb.help = "write the light of a scene's zones for other programs";
+  verb.examples = {
+      {"rayfarm bake room.yaml -o room.glb", "a glTF file whose vertices have the room's light"}};
   verb.check = [words](const auto&) { check_bake(*words); };
   verb.run = [words](const Renders& renders) { return renders.as_launched(words->job); };
   verb.is_for_all_ranks = true;

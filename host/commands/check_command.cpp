@@ -50,10 +50,12 @@ void add_check_command(CommandLine& line) {
   Verb verb;
   verb.name = "check";
   verb.help = "validate a scene and list every file it uses";
+  verb.examples = {{"rayfarm check scene.yaml", "all that is wrong with it, by line and column"}};
   verb.run = [path, load, build](const Renders&) { return check(*path, *load, *build); };
   Options options = line.add(std::move(verb));
   options.text("SCENE", *path, kSceneKinds).required();
   add_load_options(options, *load);
+  options.begin_group("Hierarchy");
   add_hierarchy_options(options, *build);
 }
 

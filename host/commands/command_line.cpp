@@ -4,33 +4,49 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <sstream>
 
 #include "common/errors/input_error.h"
+#include "host/commands/help.h"
 #include "host/process/exit_code.h"
 
 namespace rayfarm {
 namespace {
 
-/// The words of a list such as `{a,b}`.
-std::string choices_in(const std::string& list) {
-  std::string words = list.substr(1, list.find('}') - 1);
-  std::replace(words.begin(), words.end(), ',', '|');
-  return words;
+/// What an option takes, in plain words, from how the parser tells it: `TEXT:{a,b}`, `S:INT in [1 - 256]`.
+struct Taken {
+  std::string name;                ///< `a|b`, `S`, `N`
+  std::vector<std::string> words;  ///< a, b
+  std::string range;               ///< `1 to 256`
+};
+
+/// The plain words at the beginning of a list such as `rgb|spectral[:N]`; none if it is no list.
+std::vector<std::string> words_in(const std::string& list) {
+  const std::string plain = list.substr(0, list.find('['));
+  if (plain.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-|") != std::string::npos) return {};
+  return CLI::detail::split(plain, '|');
 }
 
-std::string plain_type(const std::string& type) {
-  if (const size_t brace = type.find('{'); brace != std::string::npos) return choices_in(type.substr(brace));
-  if (const size_t range = type.find(" in ["); range != std::string::npos) {
-    std::string limits = type.substr(range + 5);
-    limits.resize(std::min(limits.find(']'), limits.size()));
-    if (const size_t dash = limits.find(" - "); dash != std::string::npos) limits.replace(dash, 3, " to ");
-    return "N from " + limits;
+Taken taken_by(const CLI::Option& option) {
+  if (option.get_type_size() == 0) return {};
+  std::string type = option.get_type_name();
+  Taken taken;
+  if (const size_t brace = type.find('{'); brace != std::string::npos) {
+    type = type.substr(brace + 1, type.find('}') - brace - 1);
+    std::replace(type.begin(), type.end(), ',', '|');
   }
-  if (type == "UINT" || type == "INT" || type == "FLOAT") return "N";
-  return type;
+  if (const size_t range = type.find(" in ["); range != std::string::npos) {
+    taken.range = type.substr(range + 5, type.find(']', range) - range - 5);
+    if (const size_t dash = taken.range.find(" - "); dash != std::string::npos)
+      taken.range.replace(dash, 3, " to ");
+    type.resize(range);
+    if (const size_t colon = type.rfind(':'); colon != std::string::npos) type.resize(colon);
+  }
+  taken.name = type == "UINT" || type == "INT" || type == "FLOAT" ? "N" : type;
+  taken.words = words_in(taken.name);
+  return taken;
 }
 
 std::vector<std::string> names_of(const CLI::Option& option) {
@@ -40,18 +56,31 @@ std::vector<std::string> names_of(const CLI::Option& option) {
   return names;
 }
 
-/// Shows what an option takes (`N from 1 to 256`, `sah|thesis`, `FILE`), and none of the parser's insides.
-class HelpFormatter : public CLI::Formatter {
- public:
-  std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
-    if (is_positional) return option->get_name(true, false);
-    return fmt::format("{}", fmt::join(names_of(*option), ", "));
+OptionOutline outline_of(const CLI::Option& option) {
+  const Taken taken = taken_by(option);
+  OptionOutline outline{names_of(option), taken.name, taken.words, option.get_description(),
+                        option.get_required()};
+  if (option.get_positional()) outline.names = {option.get_name(true, false)};
+  if (!taken.range.empty()) outline.help += "; from " + taken.range;
+  return outline;
+}
+
+CommandOutline outline_of(const CLI::App& command) {
+  CommandOutline outline{command.get_name(), command.get_description()};
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_positional()) {
+      outline.places.push_back(outline_of(*option));
+      continue;
+    }
+    const auto is_its = [&](const OptionGroup& group) { return group.title == option->get_group(); };
+    auto group = std::find_if(outline.groups.begin(), outline.groups.end(), is_its);
+    if (group == outline.groups.end()) group = outline.groups.insert(group, {option->get_group(), {}});
+    group->options.push_back(outline_of(*option));
   }
-  std::string make_option_opts(const CLI::Option* option) const override {
-    if (option->get_type_size() == 0 || option->get_positional()) return "";
-    return " " + plain_type(option->get_type_name());
-  }
-};
+  // The parser's own, --help, is its first; people look for it last.
+  std::rotate(outline.groups.begin(), outline.groups.begin() + 1, outline.groups.end());
+  return outline;
+}
 
 }  // namespace
 
@@ -62,6 +91,11 @@ const Option& Option::required() const {
 
 const Option& Option::for_users() const {
   option_->configurable(false);
+  return *this;
+}
+
+const Option& Option::takes(const std::string& name) const {
+  option_->type_name(name);
   return *this;
 }
 
@@ -169,13 +203,21 @@ Option Options::number(const std::string& names, uint64_t& target, const std::st
                  ->check(CLI::Validator(refuse, "")));
 }
 
+constexpr const char* kList = "N,...";
+
 Option Options::numbers(const std::string& names, std::vector<int>& target, int least, int most,
                         const std::string& help) {
-  return add(command_->add_option(names, target, help)->delimiter(',')->check(in_whole_range(least, most)));
+  return add(command_->add_option(names, target, help)
+                 ->delimiter(',')
+                 ->type_name(kList)
+                 ->check(in_whole_range(least, most)));
 }
 Option Options::numbers(const std::string& names, std::vector<double>& target, double least, double most,
                         const std::string& help) {
-  return add(command_->add_option(names, target, help)->delimiter(',')->check(in_range(least, most)));
+  return add(command_->add_option(names, target, help)
+                 ->delimiter(',')
+                 ->type_name(kList)
+                 ->check(in_range(least, most)));
 }
 
 Option Options::flag(const std::string& names, bool& target, const std::string& help) {
@@ -203,9 +245,9 @@ Option Options::index_of(const std::string& name, std::function<void(size_t)> ta
 }
 
 CommandLine::CommandLine(const std::string& program, const std::string& about, const std::string& version)
-    : app_(std::make_unique<CLI::App>(about, program)) {
-  app_->formatter(std::make_shared<HelpFormatter>());
-  app_->set_version_flag("--version", program + " " + version);
+    : version_(version), app_(std::make_unique<CLI::App>(about, program)) {
+  app_->set_help_flag("-h,--help", "print this help");
+  app_->set_version_flag("--version", program + " " + version, "print the version");
   app_->require_subcommand(1);
 }
 
@@ -213,26 +255,60 @@ CommandLine::~CommandLine() = default;
 
 Options CommandLine::add(Verb verb) {
   CLI::App* command = app_->add_subcommand(verb.name, verb.help);
+  command->get_help_ptr()->group("Help");
+  examples_[verb.name] = verb.examples;
   command->callback([this, verb = std::move(verb)] { chosen_ = verb; });
   return Options(command);
 }
 
+ProgramOutline CommandLine::outline() const {
+  const CLI::App& app = *app_;
+  ProgramOutline outline{app.get_name(), app.get_description(), version_};
+  for (const CLI::Option* option : app.get_options()) outline.options.push_back(outline_of(*option));
+  for (const CLI::App* command : app.get_subcommands({})) {
+    outline.commands.push_back(outline_of(*command));
+    outline.commands.back().examples = examples_.at(command->get_name());
+  }
+  outline.examples = outline.commands.empty() ? std::vector<Example>() : outline.commands.front().examples;
+  return outline;
+}
+
+/// Of the command that was typed, or of the program.
+std::string CommandLine::help() const {
+  const ProgramOutline program = outline();
+  const std::vector<CLI::App*> typed = app_->get_subcommands();
+  for (const CommandOutline& command : program.commands)
+    if (!typed.empty() && typed.front()->get_name() == command.name)
+      return help_of(program, command, help_width());
+  return help_of(program, help_width());
+}
+
 Request CommandLine::parse(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words.front() == "help") {  // as `rayfarm help render` may be typed
+    words.erase(words.begin());
+    words.resize(std::min<size_t>(words.size(), 1));
+    words.push_back("--help");
+  }
   const auto refuse = [&](const std::string& problem) {
-    const std::string unknown = find_unknown_word(argc, argv);
+    const std::string unknown = find_unknown_word(words);
     return Request{{},
                    fmt::format("rayfarm: {}\nTry 'rayfarm --help' or 'rayfarm COMMAND --help'.\n",
                                unknown.empty() ? problem : unknown),
                    kUsageError};
   };
+  if (words.empty()) return refuse("a command is missing, as in 'rayfarm render SCENE -o FILE'");
   try {
-    const std::vector<std::string> words(argv + 1, argv + argc);
     read_words(words);
     chosen_->check(words);
     return {chosen_, {}, kComplete};
+  } catch (const CLI::CallForHelp&) {
+    if (app_->get_subcommands().empty() && words.front().front() != '-')
+      return refuse("");  // unknown command
+    return {{}, help(), kComplete};
+  } catch (const CLI::CallForVersion& version) {
+    return {{}, fmt::format("{}\n", version.what()), kComplete};
   } catch (const CLI::ParseError& e) {
-    std::ostringstream out, err;
-    if (app_->exit(e, out, err) == 0) return {{}, out.str(), kComplete};
     return refuse(problem_of(e, *app_));
   } catch (const UsageError& e) {
     return refuse(e.what());
@@ -274,22 +350,23 @@ std::vector<std::string> CommandLine::names_for_scenes(const std::string& comman
   return names;
 }
 
-std::string CommandLine::find_unknown_word(int argc, char** argv) const {
-  if (argc < 2) return {};
+std::string CommandLine::find_unknown_word(const std::vector<std::string>& words) const {
+  if (words.empty()) return {};
   const CLI::App* command = nullptr;
   std::vector<std::string> commands;
   for (const CLI::App* c : std::as_const(*app_).get_subcommands({})) {
     commands.push_back(c->get_name());
-    if (c->get_name() == argv[1]) command = c;
+    if (c->get_name() == words[0]) command = c;
   }
   if (!command)
-    return argv[1][0] == '-' ? ""
-                             : fmt::format("unknown command '{}'{}", argv[1], suggestion(argv[1], commands));
+    return words[0][0] == '-'
+               ? ""
+               : fmt::format("unknown command '{}'{}", words[0], suggestion(words[0], commands));
   std::vector<std::string> options;
   for (const CLI::Option* option : command->get_options())
     for (const std::string& name : names_of(*option)) options.push_back(name);
-  for (int i = 2; i < argc; ++i) {
-    const std::string argument = argv[i], word = argument.substr(0, argument.find('='));
+  for (size_t i = 1; i < words.size(); ++i) {
+    const std::string word = words[i].substr(0, words[i].find('='));
     if (word.starts_with("--") && std::find(options.begin(), options.end(), word) == options.end())
       return fmt::format("{} has no option '{}'{}", command->get_name(), word, suggestion(word, options));
   }

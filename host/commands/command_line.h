@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/commands/outline.h"
 #include "host/render/run_render.h"
 
 namespace CLI {
@@ -43,6 +45,8 @@ class Option {
   const Option& required() const;
   /// Scenes can't ask for it, whatever its group says.
   const Option& for_users() const;
+  /// What the help says that it takes, where the kind of value has more of a name: `S` for seconds.
+  const Option& takes(const std::string& name) const;
   /// It is taken up before those without this, wherever it stands: they change what it sets.
   const Option& read_first() const;
 
@@ -128,6 +132,7 @@ struct Renders {
 
 struct Verb {
   std::string name, help;
+  std::vector<Example> examples{};
   /// Does what was asked for and returns the exit code. Results go to stdout, problems are thrown.
   std::function<int(const Renders&)> run;
   /// Throws UsageError if what was typed, the words from the command's name on, does not fit together.
@@ -151,6 +156,7 @@ class CommandLine {
 
   Options add(Verb verb);
   Request parse(int argc, char** argv);
+  ProgramOutline outline() const;
 
   /// Reads words, the first of which is a command, into the targets of its options. Throws UsageError.
   void read(const std::vector<std::string>& words);
@@ -164,8 +170,11 @@ class CommandLine {
   void read_words(const std::vector<std::string>& words);
   const CLI::Option* find_option(const std::string& command, const std::string& name) const;
   /// Names the first word that is no command or option, and what was probably meant; or nothing.
-  std::string find_unknown_word(int argc, char** argv) const;
+  std::string find_unknown_word(const std::vector<std::string>& words) const;
+  std::string help() const;
+  std::string version_;
   std::unique_ptr<CLI::App> app_;
+  std::map<std::string, std::vector<Example>> examples_;  ///< by command
   std::optional<Verb> chosen_;
 };
 

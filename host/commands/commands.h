@@ -17,5 +17,7 @@ void add_simulate_command(CommandLine& line);
 
 /// Reads what the user typed.
 Request read_command_line(int argc, char** argv);
+/// All that may be typed.
+ProgramOutline outline_of_commands();
 
 }  // namespace rayfarm

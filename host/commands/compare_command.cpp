@@ -58,10 +58,12 @@ void add_compare_command(CommandLine& line) {
   Verb verb;
   verb.name = "compare";
   verb.help = "compare two images; exit code 1 if they differ";
+  verb.examples = {{"rayfarm compare before.exr after.exr --tolerance 0.001 --share 0.01",
+                    "no more than a hundredth of the pixels may differ by more than a thousandth"}};
   verb.run = [o](const Renders&) { return compare(*o); };
   Options options = line.add(std::move(verb));
-  options.text("A", o->a, "").required();
-  options.text("B", o->b, "").required();
+  options.text("A", o->a, "an image of any format").required();
+  options.text("B", o->b, "another of the same size").required();
   options.number("--tolerance", o->tolerance, 0, 1e6,
                  "largest difference of a channel that counts as equal (default: 0)");
   options.number("--share", o->share, 0, 1, "share of pixels that may differ by more (default: 0)");

@@ -63,14 +63,17 @@ void add_compile_command(CommandLine& line) {
   Verb verb;
   verb.name = "compile";
   verb.help = "build the hierarchies of a scene's objects once, into a file that scenes use";
+  verb.examples = {{"rayfarm compile trees.obj -o trees.rfp", "for `use: {file: trees.rfp}` in scenes"}};
   verb.check = [o](const auto&) { check_options(*o); };
   verb.run = [o](const Renders&) { return compile_objects(*o); };
   Options options = line.add(std::move(verb));
   options.text("SCENE", o->scene, ".yaml, .nff, .glb, .gltf or a mesh, whose objects are compiled")
       .required();
+  options.begin_group("Output");
   options.text("-o,--output", o->output, "FILE.rfp, for `use: {file: FILE.rfp}` in scenes; required", "FILE")
       .required();
   add_load_options(options, o->load);
+  options.begin_group("Hierarchy");
   add_hierarchy_options(options, o->build);
 }
 

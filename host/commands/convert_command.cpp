@@ -59,6 +59,8 @@ void add_convert_command(CommandLine& line) {
   Verb verb;
   verb.name = "convert";
   verb.help = "write a scene that shows a model as `render` does, to go on from";
+  verb.examples = {
+      {"rayfarm convert model.glb scene.yaml", "a view, lights and the model, to be changed by hand"}};
   verb.check = [o](const auto&) { check_options(*o); };
   verb.run = [o](const Renders&) { return convert(*o); };
   Options options = line.add(std::move(verb));

@@ -42,7 +42,9 @@ void add_experiment_command(CommandLine& line) {
   ExperimentOptions& o = choice->options;
   Verb verb;
   verb.name = "experiment";
-  verb.help = "reproduce an experiment of the seeds, and write a page about it";
+  verb.help = "repeat an experiment of the papers behind Rayfarm, and write a page about it";
+  verb.examples = {
+      {"rayfarm experiment sampling --seeds 1", "its page, pictures and plots go to out/sampling"}};
   verb.check = [choice](const auto&) {
     if (choice->name != "sampling" && (choice->options.samples || choice->options.seeds))
       throw UsageError("--samples and --seeds belong to the experiment sampling");
@@ -70,8 +72,9 @@ void add_experiment_command(CommandLine& line) {
           "2.3.5; working-sets: Table 4.12; zones: errors, time and rays of zonal lighting against paths, "
           "section 3 of Shirley, Sung and Brown")
       .required();
-  options.text("-o,--output", o.output, "folder for page, pictures and numbers (default: out/NAME)");
-  options.text("--scenes", o.scenes, "folder that holds the scenes (default: scenes)");
+  options.text("-o,--output", o.output, "folder for page, pictures and numbers (default: out/NAME)",
+               "FOLDER");
+  options.text("--scenes", o.scenes, "folder that holds the scenes (default: scenes)", "FOLDER");
   options.number("--width", o.width_px, 8, 65536, "of the pictures in pixels (default: the scenes')");
   options.number("--samples", o.samples, 2, 256, "sampling: the most per pixel (default: 256)");
   options.number("--seeds", o.seeds, 1, 1000, "sampling: pictures of each kind (default: 5)");
@@ -80,9 +83,9 @@ void add_experiment_command(CommandLine& line) {
       [choice = choice.get()](const std::string&) { choice->options.is_picture_of_tests = true; }, {"tests"},
       "hierarchies: only draw how many primitives the rays of each pixel test, for every hierarchy side by "
       "side");
-  options.text("--scene", o.scene, "--picture: of this scene (default: the thesis's three images)");
+  options.text("--scene", o.scene, "--picture: of this scene (default: the thesis's three images)", "FILE");
   options.text("--cluster", o.cluster,
-               "net-load: the script that makes a virtual cluster (default: deploy/virtual-cluster)");
+               "net-load: the script that makes a virtual cluster (default: deploy/virtual-cluster)", "FILE");
 }
 
 }  // namespace rayfarm

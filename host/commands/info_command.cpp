@@ -261,10 +261,13 @@ void add_info_command(CommandLine& line) {
   Verb verb;
   verb.name = "info";
   verb.help = "print a scene's counts, bounds, zones, materials, textures, object tree and memory";
+  verb.examples = {
+      {"rayfarm info model.obj", "how many polygons it has, how large it is, and what it takes"}};
   verb.run = [path, load, build, zones](const Renders&) { return print_info(*path, *load, *build, *zones); };
   Options options = line.add(std::move(verb));
   options.text("SCENE", *path, kSceneKinds).required();
   add_load_options(options, *load);
+  options.begin_group("Hierarchy");
   add_hierarchy_options(options, *build);
   options.begin_group("Zones");
   add_zone_size_options(options, *zones);

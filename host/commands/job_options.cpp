@@ -36,8 +36,10 @@ void add_assign_option(Options& options, RenderOptions& o) {
 void add_node_options(Options& options, RenderOptions& o) {
   options.number("--local-nodes", o.local_nodes, 1, 256,
                  "without mpirun: how many nodes run inside this process (default: one per core)");
-  options.number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s,
-                 liveness::kMostNodeTimeout_s, "seconds of silence after which a node is lost (default: 8)");
+  options
+      .number("--node-timeout", o.node_timeout_s, liveness::kLeastNodeTimeout_s, liveness::kMostNodeTimeout_s,
+              "seconds of silence after which a node is lost (default: 8)")
+      .takes("S");
 }
 
 void add_progress_option(Options& options, RenderOptions& o) {

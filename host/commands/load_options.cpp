@@ -3,6 +3,7 @@
 namespace rayfarm {
 
 void add_load_options(Options& options, LoadOptions& load) {
+  options.begin_group("Scene");
   options
       .text("--clip", load.clip, "which clip of a glTF file moves it, by name or number from 0 (default: 0)",
             "NAME|N")

@@ -137,6 +137,8 @@ void add_model_command(CommandLine& line) {
   Verb verb;
   verb.name = "model";
   verb.help = "the thesis's model of the net: Equation 4.6 with its limits, for any numbers";
+  verb.examples = {
+      {"rayfarm model --preset thesis --processors 64,256,1024", "the thesis's net with more processors"}};
   verb.run = [o](const Renders&) { return print_model(*o); };
   Options options = line.add(std::move(verb));
   // These two set what other options change, whatever their order.
@@ -152,8 +154,10 @@ void add_model_command(CommandLine& line) {
       .read_first();
   add_rate(options, m.rate_bit_per_s);
   options.number("--pixels", m.pixels, 1, 1e12, "of a frame (default: 1024 × 1024)");
-  options.number("--pixel-time", m.pixel_time_s, 1e-15, 1e6,
-                 "seconds to trace a pixel on one processor (default: 0.04)");
+  options
+      .number("--pixel-time", m.pixel_time_s, 1e-15, 1e6,
+              "seconds to trace a pixel on one processor (default: 0.04)")
+      .takes("S");
   options.number("--code-bytes", m.code_bytes, 0, 1e15, "of code (default: 0)");
   options.number("--data-bytes", m.data_bytes, 0, 1e15, "of the scene (default: 0)");
   options.number("--copies", m.copies_per_processor, 0, 1,
@@ -162,8 +166,10 @@ void add_model_command(CommandLine& line) {
   options.number("--assignment-bytes", m.assignment_bytes, 0, 1e9,
                  "for each processor and frame (default: 0)");
   options.number("--subpolygons", m.subpolygons_per_processor, 1, 1e9, "per processor (default: 64)");
-  options.number("--frame-buffer-time", m.frame_buffer_s, 0, 1e3,
-                 "seconds in which the host stores a pixel (default: 0, no limit)");
+  options
+      .number("--frame-buffer-time", m.frame_buffer_s, 0, 1e3,
+              "seconds in which the host stores a pixel (default: 0, no limit)")
+      .takes("S");
   options.numbers("--wire-bytes", o->wire_bytes, 1e-6, 1e6,
                   "bytes per pixel of further wires, whose messages are subpolygons; beside 9 (pixel) and 3 "
                   "(block)");
@@ -171,8 +177,10 @@ void add_model_command(CommandLine& line) {
                  "that light is spread over before pictures (default: 0, none)");
   options.number("--rounds", m.zones.rounds, 1, 1e6, "of light from zone to zone (default: 1)");
   options.number("--zone-rays", m.zones.rays, 1, 1e15, "of a round (default: 1,000,000)");
-  options.number("--zone-ray-time", m.zones.ray_time_s, 0, 1e6,
-                 "seconds to trace one of them on one processor (default: 0)");
+  options
+      .number("--zone-ray-time", m.zones.ray_time_s, 0, 1e6,
+              "seconds to trace one of them on one processor (default: 0)")
+      .takes("S");
   options.number("--zone-result-bytes", m.zones.result_bytes, 0, 1e15,
                  "of all processors in a round (default: 0)");
   options.numbers("--processors", o->processors, 1, 1e9, "1,2,4: rows of the table");

@@ -94,8 +94,10 @@ void add_picture(Options& options, RenderOptions& o) {
   options.text(
       "--crop", [&o](const std::string& text) { o.crop = parse_numbers<4>(text, ',', "x0,x1,y0,y1"); },
       "render only these pixels; x1 and y1 are excluded", "x0,x1,y0,y1");
-  options.number("--exposure", o.settings.exposure_stops, -kMostExposure_stops, kMostExposure_stops,
-                 "stops by which the picture is brighter than the light that the scene has (default: 0)");
+  options
+      .number("--exposure", o.settings.exposure_stops, -kMostExposure_stops, kMostExposure_stops,
+              "stops by which the picture is brighter than the light that the scene has (default: 0)")
+      .takes("STOPS");
   options.begin_group("Picture");
   options.choice<PixelFormat>(
       "--pixel-format", o.pixel_format,
@@ -130,9 +132,11 @@ void add_light(Options& options, RenderOptions& o) {
                                 "lighting model (default: whitted)");
   options.number("--diffuse-rays", o.settings.diffuse_rays, 1, 10000,
                  "thesis's model: diffuse rays at each hit (default: 1)");
-  options.number("--diffuse-reach", o.settings.diffuse_reach, 0, 1e15,
-                 "thesis's model: the length at which a diffuse ray has lost half of its strength to "
-                 "ambient light (default: 0, it loses none)");
+  options
+      .number("--diffuse-reach", o.settings.diffuse_reach, 0, 1e15,
+              "thesis's model: the length at which a diffuse ray has lost half of its strength to "
+              "ambient light (default: 0, it loses none)")
+      .takes("LENGTH");
   options.number("--diffuse-contrast", o.settings.diffuse_contrast, 0, 1e6,
                  "thesis's model: trace a ray between neighbours that differ by more in the pixel (default: "
                  "0, never)");
@@ -238,9 +242,11 @@ void add_net(Options& options, RenderOptions& o) {
   options.number("--least-side", o.least_side_px, 1, 65536,
                  "of a subpolygon in pixels (default: 1 on the pixel wire; 8 for blocks, of which smaller "
                  "ones are mostly header)");
-  options.number("--processor-time", o.ray_time_s, 0, 1e3,
-                 "emulate slow processors: seconds that a node takes for each ray, mostly asleep "
-                 "(default: 0, as fast as it can)");
+  options
+      .number("--processor-time", o.ray_time_s, 0, 1e3,
+              "emulate slow processors: seconds that a node takes for each ray, mostly asleep "
+              "(default: 0, as fast as it can)")
+      .takes("S");
   options.numbers("--processor-times", o.time_factors, 1e-3, 1e3,
                   "1,1,2: factors on --processor-time by node, in turn; 2 takes twice as long");
 }

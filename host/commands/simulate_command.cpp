@@ -80,7 +80,7 @@ void add_numbers(Options& options, Simulation& s) {
     options.number(name, target, least, kMostCount, help);
   };
   const auto number = [&options](const char* name, double& target, double most, const char* help) {
-    options.number(name, target, 0, most, help);
+    return options.number(name, target, 0, most, help);
   };
   count("--subpolygons", s.subpolygons_per_processor, 1, "per processor (default: 64)");
   count("--frames-open", s.frames_open, 1, "at once (default: 3)");
@@ -90,11 +90,14 @@ void add_numbers(Options& options, Simulation& s) {
   count("--assigned-ahead", s.assigned_ahead, 1, "on demand: subpolygons that a processor has (default: 2)");
   count("--nets", s.nets, 1, "each with its share of the processors (default: 1)");
   count("--frame-buffers", s.frame_buffers, 1, "that take turns at the subpolygons (default: 1)");
-  number("--frame-buffer-time", s.frame_buffer_s, 1e3, "seconds in which one stores a pixel (default: 0)");
-  number("--host-time", s.host_message_s, 1e3, "seconds that the host spends on a message (default: 0)");
+  number("--frame-buffer-time", s.frame_buffer_s, 1e3, "seconds in which one stores a pixel (default: 0)")
+      .takes("S");
+  number("--host-time", s.host_message_s, 1e3, "seconds that the host spends on a message (default: 0)")
+      .takes("S");
   number("--message-bytes", s.message_bytes, 1e6, "that the net adds to a packet (default: 0)");
   number("--packet-bytes", s.packet_bytes, 1e9, "the most that a packet carries (default: 0, no limit)");
-  number("--latency", s.latency_s, 1e3, "of a message in seconds, beside its transmission (default: 0)");
+  number("--latency", s.latency_s, 1e3, "of a message in seconds, beside its transmission (default: 0)")
+      .takes("S");
   number("--load-bytes", s.load_bytes, 1e15, "of code and data, broadcast once (default: 0)");
   options.numbers("--processor-times", s.time_factors, 1e-3, 1e3, "1,1,2: factors by processor, in turn");
 }
@@ -107,6 +110,8 @@ void add_simulate_command(CommandLine& line) {
   Verb verb;
   verb.name = "simulate";
   verb.help = "simulate the net with up to 16,383 processors, event by event";
+  verb.examples = {{"rayfarm simulate --cost-map cost.json --processors 8,64,512 --rate 1gbit",
+                    "how a job that was measured would scale (rayfarm render --cost-map wrote the file)"}};
   verb.run = [o](const Renders&) { return print_simulation(*o); };
   Options options = line.add(std::move(verb));
   options
@@ -114,9 +119,10 @@ void add_simulate_command(CommandLine& line) {
           "--cost-map", [&s](const std::string& path) { s.cost = read_cost_map(path); },
           "what `rayfarm render --cost-map` wrote (default: 1024 × 1024 pixels that cost the same)", "FILE")
       .read_first();
-  options.number(
-      "--pixel-time", o->pixel_time_s, 1e-15, 1e6,
-      "seconds that a pixel costs on average: scales the map (default: as it is; 0.04 without one)");
+  options
+      .number("--pixel-time", o->pixel_time_s, 1e-15, 1e6,
+              "seconds that a pixel costs on average: scales the map (default: as it is; 0.04 without one)")
+      .takes("S");
   options.numbers("--processors", o->processors, 1, kMostProcessors,
                   "1,2,4: one row each (default: 1,2,4,8,16,32)");
   options.number("--frames", s.frames, 1, 10000, "of the sequence (default: 1)");

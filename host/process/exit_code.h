@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace rayfarm {
 
@@ -11,8 +13,18 @@ enum ExitCode : int {
   kUsageError = 2,
   kSceneError = 3,
   kSomeFramesFailed = 4,
-  kStopped = 75,  ///< cleanly; start again with --skip-existing to go on
+  kStopped = 75,  ///< cleanly; start again with --resume to go on
 };
+
+/// What help and manual say of them.
+inline constexpr std::array<std::pair<ExitCode, const char*>, 6> kExitCodeWords{{
+    {kComplete, "all is done"},
+    {kRenderFailure, "it failed (under mpirun any failure may be 1), or compared images differ"},
+    {kUsageError, "the command line is wrong"},
+    {kSceneError, "the scene, or a file that it names, is wrong or can't be read"},
+    {kSomeFramesFailed, "some frames failed, the others are there"},
+    {kStopped, "stopped by a signal or --max-time, cleanly; --resume goes on from there"},
+}};
 
 /// The job can't go on; the message says why.
 class JobError : public std::runtime_error {

@@ -19,9 +19,14 @@ class Usage(JobTest):
     def test_help_and_version(self):
         self.assertIn("render", self.run_alone("--help").stdout)
         self.assertRegex(self.run_alone("--version").stdout, r"rayfarm \d")
+        self.assertEqual(self.run_alone("help").stdout, self.run_alone("--help").stdout)
+        self.assertEqual(self.run_alone("help", "render").stdout, self.run_alone("render", "--help").stdout)
+        self.assertEqual(self.run_alone("--help", "render").stdout, self.run_alone("render", "--help").stdout)
+        for words in (["help", "rendr"], ["rendr", "--help"]):
+            self.expect(2, *words, says=["unknown command 'rendr'", "did you mean 'render'?"])
 
     def test_no_command_and_unknown_command(self):
-        self.expect(2)
+        self.expect(2, says=["a command is missing", "--help"])
         self.expect(2, "rendr", SCENE, says=["did you mean 'render'?"])
 
     def test_unknown_option(self):
@@ -29,9 +34,12 @@ class Usage(JobTest):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--ligthing=path", says=["did you mean '--lighting'?"])
 
     def test_help_shows_nothing_of_the_parser(self):
-        for command in ("render", "check", "info", "compare", "experiment", "model", "simulate"):
+        for command in ("render", "bake", "check", "info", "compile", "convert", "compare", "experiment", "model", "simulate"):
             text = self.run_alone(command, "--help").stdout
-            self.assertNotRegex(text, r"[\x00-\x09\x0b-\x1f]|\{|->|UINT|FLOAT|:INT", command)
+            self.assertNotRegex(text.replace("`use: {file: ", ""), r"[\x00-\x09\x0b-\x1f]|\{|->|UINT|FLOAT|INT|TEXT|Positionals", command)
+            usage, _, examples = text.partition("\nExamples:\n")
+            self.assertEqual([line for line in usage.splitlines() if len(line) > 100], [], command)
+            self.assertRegex(examples, rf"  (mpirun .*)?rayfarm {command} ")
         text = self.run_alone("render", "--help").stdout
         for title in ("Picture:", "Sampling:", "Light:", "Nodes and net:", "Messages:"):
             self.assertIn(title, text)
