@@ -43,12 +43,14 @@ void add_node_options(Options& options, RenderOptions& o) {
 }
 
 void add_progress_option(Options& options, RenderOptions& o) {
-  options.choice<ProgressStyle>("--progress", o.progress,
-                                {{"auto", ProgressStyle::automatic},
-                                 {"none", ProgressStyle::none},
-                                 {"plain", ProgressStyle::plain},
-                                 {"tty", ProgressStyle::tty}},
-                                "progress display (default: auto)");
+  options.choice<ProgressStyle>(
+      "--progress", o.progress,
+      {{"auto", ProgressStyle::automatic},
+       {"json", ProgressStyle::json},
+       {"none", ProgressStyle::none},
+       {"plain", ProgressStyle::plain},
+       {"tty", ProgressStyle::tty}},
+      "how progress is shown; json: a line each second, for programs (default: auto)");
 }
 
 void add_quiet_options(Options& options, RenderOptions& o) {

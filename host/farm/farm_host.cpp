@@ -261,8 +261,8 @@ void FarmHost::show_progress(bool at_end) {
   }
   const bool is_traced = at_end || phase_ != &pictures_;
   progress_.show(result_.times.trace_s + (is_traced ? 0 : in_phase), result_.pixels_kept,
-                 result_.rays.total(), picture_result_bytes(result_, *transport_.meter()),
-                 assignment_.nodes_alive(), at_end);
+                 result_.pixels_resumed, result_.rays.total(),
+                 picture_result_bytes(result_, *transport_.meter()), assignment_.nodes_alive(), at_end);
 }
 
 }  // namespace rayfarm

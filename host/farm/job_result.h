@@ -81,7 +81,7 @@ struct JobResult {
   uint64_t pixels_kept = 0;
   uint64_t pixels_resumed = 0;  ///< of those kept: from journals of an earlier run
   uint64_t duplicates = 0;      ///< results dropped
-  RayCounts rays;               ///< of pictures
+  RayCounts rays;               ///< of pictures, traced by this job
   ZonesResult zones;
   std::string problem;       ///< for which the job could not go on; empty: there was none
   uint64_t scene_bytes = 0;  ///< of the block that load data carries

@@ -207,6 +207,7 @@ bool PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std:
     journal_.begin(journal_of(file_of(report.frame)), std::move(lines));
   }
   store(report, pixels);
+  result_.rays += RayCounts{report.rays, report.ray_tallies};
   FrameResult& frame_result = result_.frames[frame.place()];
   const auto subpolygons = static_cast<size_t>(pictures().items_per_step());
   if (options_.keeps_traced_by) {
@@ -244,7 +245,6 @@ void PicturesHost::store(const SubpolygonReport& report, std::span<const std::by
   frame_result.sees_anything |= report.sees_anything;
   frame_result.not_finite += report.not_finite;
   frame_result.rays += rays;
-  result_.rays += rays;
   result_.pixels_kept += area_of(p);
 }
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kTtyInterval_s = 0.2;
 constexpr double kPlainInterval_s = 5;
+constexpr double kJsonInterval_s = 1;
 constexpr int kBarWidth = 24;
 
 }  // namespace
@@ -41,7 +42,9 @@ Progress::Progress(ProgressStyle style, uint64_t pixels_total) : style_(style), 
 }
 
 bool Progress::is_time(double now_s) {
-  const double interval = style_ == ProgressStyle::tty ? kTtyInterval_s : kPlainInterval_s;
+  const double interval = style_ == ProgressStyle::tty    ? kTtyInterval_s
+                          : style_ == ProgressStyle::json ? kJsonInterval_s
+                                                          : kPlainInterval_s;
   if (now_s - shown_s_ < interval) return false;
   shown_s_ = now_s;
   return true;
@@ -57,11 +60,19 @@ void Progress::print(const std::string& text, double share_done) {
   }
 }
 
-void Progress::show_reading(double now_s, uint64_t done, uint64_t total) {
+void Progress::print(Json::Object told, double now_s, double share_done) {
+  told["elapsed_s"] = now_s;
+  told["share"] = share_done;
+  say("{}\n", Json(std::move(told)).dump());
+}
+
+void Progress::show_bytes(const char* what, double now_s, uint64_t done, uint64_t total) {
   if (style_ == ProgressStyle::none || total == 0 || !is_time(now_s)) return;
   const double share = static_cast<double>(std::min(done, total)) / static_cast<double>(total);
+  if (style_ == ProgressStyle::json)
+    return print({{"phase", what}, {"bytes", done}, {"bytes_total", total}}, now_s, share);
   const double total_MB = static_cast<double>(total) / 1e6;
-  print(fmt::format("{:5.1f} %  {}  reading {:.1f} of {:.1f} MB", 100 * share, format_duration(now_s),
+  print(fmt::format("{:5.1f} %  {}  {} {:.1f} of {:.1f} MB", 100 * share, format_duration(now_s), what,
                     share * total_MB, total_MB),
         share);
 }
@@ -70,6 +81,8 @@ void Progress::show_building(double now_s, uint64_t done, uint64_t total) {
   if (style_ == ProgressStyle::none || total == 0 || !is_time(now_s)) return;
   // Clipping makes more pieces than there were primitives.
   const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total));
+  if (style_ == ProgressStyle::json)
+    return print({{"phase", "building"}, {"primitives_total", total}}, now_s, share);
   print(fmt::format("{:5.1f} %  {}  building the hierarchy of {} primitives", 100 * share,
                     format_duration(now_s), format_count(static_cast<double>(total))),
         share);
@@ -77,22 +90,34 @@ void Progress::show_building(double now_s, uint64_t done, uint64_t total) {
 
 void Progress::show_zones(double now_s, const ZoneProgress& zones, int nodes) {
   if (style_ == ProgressStyle::none || !is_time(now_s)) return;
+  if (style_ == ProgressStyle::json)
+    return print({{"phase", "zones"}, {"rounds", zones.rounds}, {"rays", zones.rays}, {"nodes", nodes}},
+                 now_s, std::clamp(1 - zones.unsent, 0.0, 1.0));
   print(fmt::format("zones: round {}, {:.1f} % unsent, {}  {}  {} node{}", zones.rounds, 100 * zones.unsent,
                     format_rate(static_cast<double>(zones.rays), "rays"), format_duration(now_s), nodes,
                     nodes == 1 ? "" : "s"),
         std::clamp(1 - zones.unsent, 0.0, 1.0));
 }
 
-void Progress::show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t result_bytes, int nodes,
-                    bool at_end) {
+void Progress::show(double now_s, uint64_t pixels_done, uint64_t pixels_resumed, uint64_t rays,
+                    uint64_t result_bytes, int nodes, bool at_end) {
   if (style_ == ProgressStyle::none || (!is_time(now_s) && !at_end)) return;
   const double done =
       pixels_total_ ? static_cast<double>(pixels_done) / static_cast<double>(pixels_total_) : 1;
-  const std::string eta = done > 0 ? format_duration(now_s * (1 - done) / done) : "?";
+  const auto pixels_made = static_cast<double>(pixels_done - pixels_resumed);
+  const double bytes_per_pixel = pixels_made > 0 ? static_cast<double>(result_bytes) / pixels_made : 0.0;
+  const double eta_s =
+      now_s * static_cast<double>(pixels_total_ - std::min(pixels_total_, pixels_done)) / pixels_made;
+  if (style_ == ProgressStyle::json) {
+    Json::Object told{{"phase", "tracing"}, {"pixels", pixels_done}, {"pixels_total", pixels_total_},
+                      {"rays", rays},       {"nodes", nodes},        {"bytes_per_pixel", bytes_per_pixel}};
+    if (pixels_made > 0) told["eta_s"] = eta_s;
+    return print(std::move(told), now_s, done);
+  }
+  const std::string eta = pixels_made > 0 ? format_duration(eta_s) : "?";
   print(fmt::format("{:5.1f} %  {}  ETA {}  {}  {:.2f} bytes/pixel  {} node{}", 100 * done,
                     format_duration(now_s), eta,
-                    format_rate(now_s > 0 ? static_cast<double>(rays) / now_s : 0, "rays/s"),
-                    pixels_done ? static_cast<double>(result_bytes) / static_cast<double>(pixels_done) : 0.0,
+                    format_rate(now_s > 0 ? static_cast<double>(rays) / now_s : 0, "rays/s"), bytes_per_pixel,
                     nodes, nodes == 1 ? "" : "s"),
         done);
 }

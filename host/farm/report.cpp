@@ -86,6 +86,10 @@ std::string format_report(const JobResult& result, const TrafficMeter& meter) {
   fmt::format_to(
       out, "time     {:.2f} s: load {:.2f}, build {:.2f}, broadcast {:.2f}, trace {:.2f}, write {:.2f}\n",
       t.total_s, t.load_s, t.build_s, t.broadcast_s, t.trace_s, t.write_s);
+  if (result.pixels_resumed > 0)
+    fmt::format_to(out, "resumed  {} of {} pixels were there\n",
+                   format_count(static_cast<double>(result.pixels_resumed)),
+                   format_count(static_cast<double>(result.pixels_kept)));
   const auto rays = static_cast<double>(result.rays.total());
   fmt::format_to(out, "rays     {}", format_count(rays));
   const char* separator = ": ";

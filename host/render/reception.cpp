@@ -77,7 +77,7 @@ LoadedScene load_while_nodes_report(const RenderOptions& options, RollCall& roll
     if (building.total >= kBigScene) {
       progress.show_building(since_s, building.done, building.total);
     } else if (!loaded && building.total == 0 && since_s > kLongReading_s) {
-      progress.show_reading(since_s, loading.reading().done, loading.reading().total);
+      progress.show_bytes("reading", since_s, loading.reading().done, loading.reading().total);
     }
     backoff.wait();
   }

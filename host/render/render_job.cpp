@@ -32,6 +32,9 @@
 namespace rayfarm {
 namespace {
 
+/// Sending that takes longer is shown.
+constexpr double kLongSending_s = 1;
+
 class Render {
  public:
   Render(const RenderOptions& options, Farm& farm) : options_(options), farm_(farm) {
@@ -293,15 +296,19 @@ class Render {
     SceneBlock& block = loaded_->compiled.block;
     if (is_spent) loaded_->compiled.scene = {};
     size_t released = 0;
+    Progress progress(options_.is_quiet ? ProgressStyle::none : options_.progress);
     farm_.load_data(
         block.bytes(),
         [&](size_t sent) {
+          if (const double since_s = now_s() - broadcast_begin; since_s > kLongSending_s)
+            progress.show_bytes("sending", since_s, sent, loaded_->compiled.block.size);
           constexpr size_t kStep = 16 << 20;
           if (!is_spent || (sent < released + kStep && sent < block.size)) return;
           block.give_back(released, sent);
           released = sent;
         },
         [this](const std::string& text) { log_->warn(text); }, roll_call.make_node_witness());
+    progress.clear();
     if (is_spent) block = {};
     is_loaded_ = true;
     result_.times.broadcast_s = now_s() - broadcast_begin;

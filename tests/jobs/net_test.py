@@ -175,12 +175,13 @@ class VirtualCluster(JobTestAlone):
         if run("unshare", "--net", "ip", "link", "add", "medium", "type", "ifb").returncode != 0:
             self.skip("this kernel gives no network namespaces, or no ifb device in them")
 
-    def on_cluster(self, *arguments, nodes=2, flags=(), timeout=90):
+    def on_cluster(self, *arguments, nodes=2, flags=(), told=("-q",), timeout=90):
         stats, links = self.folder / "cluster.json", self.folder / "links.json"
         result = run(CLUSTER, "--nodes", nodes, "--counters", links, *flags, "--", RAYFARM, "render", *arguments, "-o",
-                     self.folder / "cluster.png", "--stats", stats, "-q", "--node-timeout", "60", timeout=timeout)
+                     self.folder / "cluster.png", "--stats", stats, *told, "--node-timeout", "60", timeout=timeout)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(spaces(), [])
+        self.stderr = result.stderr
         return json.loads(stats.read_text()), json.loads(links.read_text())
 
     def assert_takes(self, measure, least, most, tries=4):
@@ -217,7 +218,8 @@ class VirtualCluster(JobTestAlone):
                          "f 0.5 0.5 0.5 1 0 0 0 1\n" + spheres)
         for nodes in (1, 2):
             def broadcast():
-                told, _ = self.on_cluster(scene, nodes=nodes, flags=["--rate", "8mbit"])
+                told, _ = self.on_cluster(scene, nodes=nodes, flags=["--rate", "8mbit"], told=["--progress", "tty"])
+                self.assertRegex(self.stderr, r" sending 0\.[0-9] of 0\.[0-9] MB")
                 return told["time_s"]["broadcast"] / (nodes * told["traffic"]["load_data"]["bytes"] * 8 / 8e6)
             self.assert_takes(broadcast, 0.85, 1.15)
 

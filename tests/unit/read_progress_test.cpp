@@ -62,15 +62,34 @@ TEST(ReadProgress, CountsWhatIsReadAgain) {
 TEST(ReadProgress, IsShownInMegabytes) {
   testing::internal::CaptureStderr();
   Progress terminal(ProgressStyle::tty);
-  terminal.show_reading(1.5, 0, 0);  // nothing is open yet
-  terminal.show_reading(1.5, 1'000'000, 4'000'000);
-  terminal.show_reading(1.6, 2'000'000, 4'000'000);  // too soon
-  Progress(ProgressStyle::plain).show_reading(1.5, 1'000'000, 4'000'000);
-  Progress(ProgressStyle::plain).show_reading(5, 3'000'000, 4'000'000);
-  Progress(ProgressStyle::none).show_reading(9, 1'000'000, 4'000'000);
+  terminal.show_bytes("reading", 1.5, 0, 0);  // nothing is open yet
+  terminal.show_bytes("reading", 1.5, 1'000'000, 4'000'000);
+  terminal.show_bytes("reading", 1.6, 2'000'000, 4'000'000);  // too soon
+  Progress(ProgressStyle::plain).show_bytes("reading", 1.5, 1'000'000, 4'000'000);
+  Progress(ProgressStyle::plain).show_bytes("reading", 5, 3'000'000, 4'000'000);
+  Progress(ProgressStyle::none).show_bytes("reading", 9, 1'000'000, 4'000'000);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
             "\r\033[K[######..................]  25.0 %  0:02  reading 1.0 of 4.0 MB"
             " 75.0 %  0:05  reading 3.0 of 4.0 MB\n");
+}
+
+TEST(ReadProgress, IsJsonForPrograms) {
+  testing::internal::CaptureStderr();
+  Progress progress(ProgressStyle::json, 4000);
+  progress.show_bytes("sending", 1.5, 1'000'000, 4'000'000);
+  progress.show(2.0, 1, 0, 1, 1, 2);  // too soon
+  progress.show(3.0, 1000, 500, 9000, 250, 2);
+  progress.show(3.5, 4000, 500, 9000, 1750, 2, true);
+  EXPECT_EQ(
+      testing::internal::GetCapturedStderr(),
+      "{\"bytes\":1000000,\"bytes_total\":4000000,\"elapsed_s\":1.5,\"phase\":\"sending\",\"share\":0.25}\n"
+      "{\"bytes_per_pixel\":0.5,\"elapsed_s\":3.0,\"eta_s\":18.0,\"nodes\":2,\"phase\":\"tracing\","
+      "\"pixels\":"
+      "1000,"
+      "\"pixels_total\":4000,\"rays\":9000,\"share\":0.25}\n"
+      "{\"bytes_per_pixel\":0.5,\"elapsed_s\":3.5,\"eta_s\":0.0,\"nodes\":2,\"phase\":\"tracing\",\"pixels\":"
+      "4000,"
+      "\"pixels_total\":4000,\"rays\":9000,\"share\":1.0}\n");
 }
 
 }  // namespace
