@@ -11,7 +11,7 @@ enum ExitCode : int {
   kUsageError = 2,
   kSceneError = 3,
   kSomeFramesFailed = 4,
-  kStopped = 75,  ///< cleanly; start again with --skip-existing to go on
+  kStopped = 75,  ///< cleanly; start again with --resume to go on
 };
 
 /// The job can't go on; the message says why.

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -12,7 +13,17 @@ namespace rayfarm {
 namespace {
 
 std::atomic<int> caught{0};
-static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<int64_t> asked_at_ns{0};
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<int64_t>::is_always_lock_free);
+/// One wish may come twice: Slurm sends it to all processes of a job, and mpirun, which has it too, hands it
+/// on.
+constexpr int64_t kSameWishNs = 700'000'000;
+
+int64_t now_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
+}
 
 /// These say that time runs out: what comes after them is not yet impatience.
 bool is_warning(int number) {
@@ -21,8 +32,17 @@ bool is_warning(int number) {
 
 void on_signal(int number) {
   int before = 0;
-  if (caught.compare_exchange_strong(before, number) || is_warning(number)) return;
-  if (!is_warning(before) || !caught.compare_exchange_strong(before, number)) _exit(128 + number);
+  if (caught.compare_exchange_strong(before, number)) {
+    if (!is_warning(number)) asked_at_ns = now_ns();
+    return;
+  }
+  if (is_warning(number)) return;
+  if (is_warning(before) && caught.compare_exchange_strong(before, number)) {
+    asked_at_ns = now_ns();
+    return;
+  }
+  // 0: another signal's handler was here before, and is not yet done.
+  if (const int64_t asked = asked_at_ns; asked != 0 && now_ns() - asked > kSameWishNs) _exit(128 + number);
 }
 
 }  // namespace
