@@ -1,5 +1,7 @@
 #include "host/commands/commands.h"
 
+#include "protocol/build_identity.h"
+
 namespace rayfarm {
 
 Request read_command_line(int argc, char** argv) {
