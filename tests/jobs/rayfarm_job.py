@@ -135,5 +135,20 @@ class JobTestAlone(JobTest):
     """Measures time, or hurts a job at a moment that it may have passed on a busy machine: ctest runs nothing beside it."""
 
 
+class ClusterTestAlone(JobTestAlone):
+    """On a cluster of network namespaces on this machine (deploy/virtual-cluster)."""
+
+    def setUp(self):
+        super().setUp()
+        if os.geteuid() != 0 or not shutil.which("ip") or not shutil.which("tc"):
+            self.skip("network namespaces need root and iproute2")
+        if subprocess.run(["unshare", "--net", "ip", "link", "add", "medium", "type", "ifb"], capture_output=True).returncode != 0:
+            self.skip("this kernel gives no network namespaces, or no ifb device in them")
+
+    def spaces(self):
+        listed = subprocess.run(["ip", "netns", "list"], capture_output=True, text=True).stdout
+        return [line.split()[0] for line in listed.splitlines() if line.startswith("rf")]
+
+
 def main():
     unittest.main(verbosity=2)
