@@ -2,28 +2,21 @@
 
 #include <signal.h>
 #include <sys/time.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 
 namespace rayfarm {
 namespace {
 
 std::atomic<int> caught{0};
-std::atomic<int64_t> asked_at_ns{0};
-static_assert(std::atomic<int>::is_always_lock_free && std::atomic<int64_t>::is_always_lock_free);
-/// One wish may come twice: Slurm sends it to all processes of a job, and mpirun, which has it too, hands it
-/// on.
-constexpr int64_t kSameWishNs = 700'000'000;
-
-int64_t now_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
-}
+static_assert(std::atomic<int>::is_always_lock_free);
+/// Under mpirun one wish comes twice: Slurm sends it to all processes of a job, and mpirun, which has it too,
+/// hands it on a second later. Who is impatient with mpirun is served by mpirun.
+std::atomic<bool> may_be_impatient{true};
 
 /// These say that time runs out: what comes after them is not yet impatience.
 bool is_warning(int number) {
@@ -32,22 +25,15 @@ bool is_warning(int number) {
 
 void on_signal(int number) {
   int before = 0;
-  if (caught.compare_exchange_strong(before, number)) {
-    if (!is_warning(number)) asked_at_ns = now_ns();
-    return;
-  }
-  if (is_warning(number)) return;
-  if (is_warning(before) && caught.compare_exchange_strong(before, number)) {
-    asked_at_ns = now_ns();
-    return;
-  }
-  // 0: another signal's handler was here before, and is not yet done.
-  if (const int64_t asked = asked_at_ns; asked != 0 && now_ns() - asked > kSameWishNs) _exit(128 + number);
+  if (caught.compare_exchange_strong(before, number) || is_warning(number)) return;
+  if (is_warning(before) && caught.compare_exchange_strong(before, number)) return;
+  if (may_be_impatient) _exit(128 + number);
 }
 
 }  // namespace
 
 void catch_interrupts() {
+  may_be_impatient = std::getenv("OMPI_COMM_WORLD_RANK") == nullptr;
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);

@@ -4,8 +4,8 @@
 
 namespace rayfarm {
 
-/// From now on Ctrl-C, SIGTERM and SIGHUP ask the host to stop; another one ends the process at once, if it
-/// comes later than 0.7 s: both may be the same wish, sent by a scheduler and handed on by mpirun.
+/// From now on Ctrl-C, SIGTERM and SIGHUP ask the host to stop; a second one ends the process at once, but
+/// not under mpirun, which hands on what schedulers tell all processes anyway, and kills who is slow.
 /// SIGUSR1, by which schedulers tell that time runs out, asks once. A closed pipe on stdout or stderr ends
 /// nothing.
 void catch_interrupts();

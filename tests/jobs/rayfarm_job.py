@@ -148,10 +148,13 @@ class ClusterTestAlone(JobTestAlone):
             self.skip("network namespaces need root and iproute2")
         if subprocess.run(["unshare", "--net", "ip", "link", "add", "medium", "type", "ifb"], capture_output=True).returncode != 0:
             self.skip("this kernel gives no network namespaces, or no ifb device in them")
+        self.others = set()
+        self.others = set(self.spaces())
 
     def spaces(self):
+        """The namespaces of clusters that were not there when the test began."""
         listed = subprocess.run(["ip", "netns", "list"], capture_output=True, text=True).stdout
-        return [line.split()[0] for line in listed.splitlines() if line.startswith("rf")]
+        return [name for name in (line.split()[0] for line in listed.splitlines()) if name.startswith("rf") and name not in self.others]
 
 
 def main():
