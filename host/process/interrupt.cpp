@@ -7,12 +7,16 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 
 namespace rayfarm {
 namespace {
 
 std::atomic<int> caught{0};
 static_assert(std::atomic<int>::is_always_lock_free);
+/// Under mpirun one wish comes twice: Slurm sends it to all processes of a job, and mpirun, which has it too,
+/// hands it on a second later. Who is impatient with mpirun is served by mpirun.
+std::atomic<bool> may_be_impatient{true};
 
 /// These say that time runs out: what comes after them is not yet impatience.
 bool is_warning(int number) {
@@ -22,12 +26,14 @@ bool is_warning(int number) {
 void on_signal(int number) {
   int before = 0;
   if (caught.compare_exchange_strong(before, number) || is_warning(number)) return;
-  if (!is_warning(before) || !caught.compare_exchange_strong(before, number)) _exit(128 + number);
+  if (is_warning(before) && caught.compare_exchange_strong(before, number)) return;
+  if (may_be_impatient) _exit(128 + number);
 }
 
 }  // namespace
 
 void catch_interrupts() {
+  may_be_impatient = std::getenv("OMPI_COMM_WORLD_RANK") == nullptr;
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);

@@ -4,7 +4,8 @@
 
 namespace rayfarm {
 
-/// From now on Ctrl-C, SIGTERM and SIGHUP ask the host to stop; a second one ends the process at once.
+/// From now on Ctrl-C, SIGTERM and SIGHUP ask the host to stop; a second one ends the process at once, but
+/// not under mpirun, which hands on what schedulers tell all processes anyway, and kills who is slow.
 /// SIGUSR1, by which schedulers tell that time runs out, asks once. A closed pipe on stdout or stderr ends
 /// nothing.
 void catch_interrupts();

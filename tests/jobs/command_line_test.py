@@ -18,7 +18,7 @@ class Usage(JobTest):
 
     def test_help_and_version(self):
         self.assertIn("render", self.run_alone("--help").stdout)
-        self.assertRegex(self.run_alone("--version").stdout, r"rayfarm \d")
+        self.assertRegex(self.run_alone("--version").stdout, r"^rayfarm \d[\d.]*, build [0-9a-f]{16,}$")
         self.assertEqual(self.run_alone("help").stdout, self.run_alone("--help").stdout)
         self.assertEqual(self.run_alone("help", "render").stdout, self.run_alone("render", "--help").stdout)
         self.assertEqual(self.run_alone("--help", "render").stdout, self.run_alone("render", "--help").stdout)

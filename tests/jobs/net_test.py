@@ -2,12 +2,11 @@
 import csv
 import json
 import os
-import shutil
 import signal
 import subprocess
 import time
 
-from rayfarm_job import RAYFARM, SCENES, SOURCE, JobTest, JobTestAlone, main
+from rayfarm_job import RAYFARM, SCENES, SOURCE, ClusterTestAlone, JobTest, JobTestAlone, main
 
 CLUSTER = SOURCE / "deploy/virtual-cluster"
 SCENE = SCENES / "primitives.yaml"
@@ -15,10 +14,6 @@ SCENE = SCENES / "primitives.yaml"
 
 def run(*command, timeout=120, **keywords):
     return subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=timeout, **keywords)
-
-
-def spaces():
-    return [line.split()[0] for line in run("ip", "netns", "list").stdout.splitlines() if line.startswith("rf")]
 
 
 class Emulated(JobTestAlone):
@@ -167,20 +162,13 @@ class CommandLine(JobTest):
             self.assertIn(says, result.stderr)
 
 
-class VirtualCluster(JobTestAlone):
-    def setUp(self):
-        super().setUp()
-        if os.geteuid() != 0 or not shutil.which("ip") or not shutil.which("tc"):
-            self.skip("network namespaces need root and iproute2")
-        if run("unshare", "--net", "ip", "link", "add", "medium", "type", "ifb").returncode != 0:
-            self.skip("this kernel gives no network namespaces, or no ifb device in them")
-
+class VirtualCluster(ClusterTestAlone):
     def on_cluster(self, *arguments, nodes=2, flags=(), told=("-q",), timeout=90):
         stats, links = self.folder / "cluster.json", self.folder / "links.json"
         result = run(CLUSTER, "--nodes", nodes, "--counters", links, *flags, "--", RAYFARM, "render", *arguments, "-o",
                      self.folder / "cluster.png", "--stats", stats, *told, "--node-timeout", "60", timeout=timeout)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(spaces(), [])
+        self.assertEqual(self.spaces(), [])
         self.stderr = result.stderr
         return json.loads(stats.read_text()), json.loads(links.read_text())
 
@@ -227,12 +215,12 @@ class VirtualCluster(JobTestAlone):
         process = subprocess.Popen([CLUSTER, "--nodes", "2", "--", RAYFARM, "render", SCENE, "-o", self.folder / "a.####.png",
                                     "--frames", "1-500", "-q"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         end = time.time() + 20
-        while not spaces() and time.time() < end:
+        while not self.spaces() and time.time() < end:
             time.sleep(0.1)
         time.sleep(1)
         process.send_signal(signal.SIGTERM)
         self.assertEqual(process.wait(timeout=30), 143)
-        self.assertEqual(spaces(), [])
+        self.assertEqual(self.spaces(), [])
 
     def test_bad_flags(self):
         for flags, says in ((["--nodes", "0", "--", "true"], "--nodes"), (["--rate", "fast", "--", "true"], "--rate"),
@@ -241,7 +229,7 @@ class VirtualCluster(JobTestAlone):
             result = run(CLUSTER, *flags)
             self.assertEqual(result.returncode, 2)
             self.assertIn(says, result.stderr)
-        self.assertEqual(spaces(), [])
+        self.assertEqual(self.spaces(), [])
 
 
 if __name__ == "__main__":

@@ -127,12 +127,34 @@ class JobTest(unittest.TestCase):
         self.assertEqual(result.code, expect, result.stderr)
         return json.loads(stats.read_text())
 
+    def assert_resumed(self, told, ray_s, nodes):
+        """Processors that take so long for a ray had not the time for all rays of the picture: an earlier run traced the others."""
+        self.assertLess(told["time_s"]["trace"], 0.95 * sum(told["rays"].values()) * ray_s / nodes)
+
     def leftovers(self):
         return [p.name for p in self.folder.iterdir() if ".part" in p.name]
 
 
 class JobTestAlone(JobTest):
     """Measures time, or hurts a job at a moment that it may have passed on a busy machine: ctest runs nothing beside it."""
+
+
+class ClusterTestAlone(JobTestAlone):
+    """On a cluster of network namespaces on this machine (deploy/virtual-cluster)."""
+
+    def setUp(self):
+        super().setUp()
+        if os.geteuid() != 0 or not shutil.which("ip") or not shutil.which("tc"):
+            self.skip("network namespaces need root and iproute2")
+        if subprocess.run(["unshare", "--net", "ip", "link", "add", "medium", "type", "ifb"], capture_output=True).returncode != 0:
+            self.skip("this kernel gives no network namespaces, or no ifb device in them")
+        self.others = set()
+        self.others = set(self.spaces())
+
+    def spaces(self):
+        """The namespaces of clusters that were not there when the test began."""
+        listed = subprocess.run(["ip", "netns", "list"], capture_output=True, text=True).stdout
+        return [name for name in (line.split()[0] for line in listed.splitlines()) if name.startswith("rf") and name not in self.others]
 
 
 def main():
