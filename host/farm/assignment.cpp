@@ -184,6 +184,7 @@ void Assignment::give(NodeId node, ItemIndex index, double now) {
   item.since = now;
   item.add_holder(node);
   node_state(node).assigned.push_back(index);
+  if (is_own(node, index)) ++node_state(node).own_left;  // it is so again: it was lost, or failed
   update_room(node);
   watch(node);
   actions_.emplace_back(AssignItem{node, index});

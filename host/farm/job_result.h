@@ -36,6 +36,7 @@ struct FrameResult {
   std::string sha256;
   std::string problem;  ///< empty: written
   bool is_written = false;
+  bool is_resumed = false;  ///< some of it was in a journal
   RayCounts rays;
   bool sees_anything = false;         ///< an eye ray met something
   bool is_black = false;              ///< all pixels are 0
@@ -47,8 +48,8 @@ struct FrameResult {
 /// A frame whose file was not written when the job ended, and what there is of it.
 struct UnfinishedFrame {
   FrameNumber frame;
-  double share = 0;     ///< of its pixels that are in the journal
-  std::string journal;  ///< empty: none is kept
+  double share = 0;     ///< of its pixels that there are
+  std::string journal;  ///< that holds all of them; empty: none does
   std::string preview;  ///< a picture of what there is; empty: there is none
 };
 

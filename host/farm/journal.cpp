@@ -46,6 +46,11 @@ void write_bytes(int descriptor, std::span<const std::byte> bytes) {
   }
 }
 
+void sync_file(int descriptor) {
+  while (fdatasync(descriptor) != 0)
+    if (errno != EINTR) fail();
+}
+
 /// A name that was made is on disk when its folder is.
 void sync_folder_of(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
@@ -72,15 +77,27 @@ std::string journal_of(const std::string& file) {
   return file + ".journal";
 }
 
-JournalHead read_journal_head(const std::string& path) {
+bool is_journal(const std::string& path) {
+  try {
+    const RegularFile opened = open_regular_file(path);
+    std::string begin(kMagic.size(), '\0');
+    begin.resize(std::fread(begin.data(), 1, begin.size(), opened.file.get()));
+    return kMagic.starts_with(begin);
+  } catch (const IoError&) {
+    return false;
+  }
+}
+
+std::optional<JournalHead> read_journal_head(const std::string& path) {
   const RegularFile opened = open_regular_file(path);
   std::string text(kMostHeadBytes, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), opened.file.get()));
   std::string_view rest = text;
   const size_t end = rest.find("\n\n");
-  if (!rest.starts_with(kMagic) || end == std::string_view::npos)
-    throw IoError(fmt::format(
-        "{}: is no journal of this version of Rayfarm, or its beginning is damaged; remove it", path));
+  const bool is_ours = rest.starts_with(kMagic) || kMagic.starts_with(rest);
+  if (is_ours && end == std::string_view::npos && text.size() < kMostHeadBytes) return std::nullopt;
+  if (!is_ours || end == std::string_view::npos)
+    throw IoError(fmt::format("{}: is no journal of this version of Rayfarm; remove it", path));
   JournalHead head;
   head.bytes = end + 2;
   rest = rest.substr(kMagic.size(), end + 1 - kMagic.size());
@@ -159,6 +176,7 @@ void JournalWriter::append(const std::string& path, std::span<const std::byte> r
     File& file = files_[path];
     if (file.is_broken || file.is_over) return;
     if (pending_bytes_ + record.size() > kMostPendingBytes) {
+      file.has_gaps = true;
       tell(
           path,
           "the disk is too slow for all results; those that it can't take are traced again if the job has to "
@@ -203,7 +221,13 @@ std::vector<std::string> JournalWriter::take_problems() {
 
 void JournalWriter::tell(const std::string& path, const std::string& problem) {
   const std::string text = fmt::format("{}: {}", path, problem);
-  if (std::find(problems_.begin(), problems_.end(), text) == problems_.end()) problems_.push_back(text);
+  if (told_.insert(text).second) problems_.push_back(text);
+}
+
+bool JournalWriter::is_whole(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  const auto file = files_.find(path);
+  return file != files_.end() && !file->second.is_broken && !file->second.has_gaps;
 }
 
 bool JournalWriter::has_work() const {
@@ -230,7 +254,6 @@ void JournalWriter::write_all(std::unique_lock<std::mutex>& lock) {
     File& file = entry->second;  // stays where it is while others are added
     const std::string& path = entry->first;
     const Bytes pending = std::exchange(file.pending, {});
-    pending_bytes_ -= pending.size();
     const bool is_over = file.is_over;
     lock.unlock();
     std::string problem;
@@ -245,8 +268,10 @@ void JournalWriter::write_all(std::unique_lock<std::mutex>& lock) {
       if (is_there) unlink(path.c_str());
     }
     lock.lock();
+    pending_bytes_ -= pending.size();  // till now it took memory
     if (!problem.empty()) {
       file.is_broken = true;
+      if (const int broken = std::exchange(file.descriptor, -1); broken >= 0) close(broken);
       tell(path,
            fmt::format("can't be written: {}; if the job has to go on, what is not in it is traced again",
                        problem));
@@ -260,20 +285,33 @@ void JournalWriter::write_all(std::unique_lock<std::mutex>& lock) {
 void JournalWriter::write(const std::string& path, File& file, const Bytes& pending) {
   errno = 0;
   if (file.descriptor < 0) {
-    const int anew = file.end == 0 ? O_CREAT | O_TRUNC : 0;
+    const bool is_new = file.end == 0;
     struct stat there {};
-    if (stat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode))
-      throw std::runtime_error("what stands there is not a regular file");
-    file.descriptor = open(path.c_str(), O_WRONLY | O_CLOEXEC | anew, 0666);
+    if (lstat(path.c_str(), &there) == 0) {
+      if (!S_ISREG(there.st_mode) || !is_journal(path))
+        throw std::runtime_error("what stands there is no journal");
+      if (is_new && unlink(path.c_str()) != 0) fail();
+    }
+    // Made exclusively, so that no link that somebody left there is followed.
+    file.descriptor =
+        open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | (is_new ? O_CREAT | O_EXCL : 0), 0666);
     if (file.descriptor < 0) fail();
-    if (file.end > 0 && (ftruncate(file.descriptor, static_cast<off_t>(file.end)) != 0 ||
-                         lseek(file.descriptor, 0, SEEK_END) < 0))
-      fail();
-    write_bytes(file.descriptor, file.head);
-    if (anew != 0) sync_folder_of(path);
+    try {
+      if (!is_new && (ftruncate(file.descriptor, static_cast<off_t>(file.end)) != 0 ||
+                      lseek(file.descriptor, 0, SEEK_END) < 0))
+        fail();
+      write_bytes(file.descriptor, file.head);
+      write_bytes(file.descriptor, pending);
+      sync_file(file.descriptor);
+      if (is_new) sync_folder_of(path);
+    } catch (const std::exception&) {
+      if (is_new) unlink(path.c_str());
+      throw;
+    }
+    return;
   }
   write_bytes(file.descriptor, pending);
-  if (fdatasync(file.descriptor) != 0) fail();
+  sync_file(file.descriptor);
 }
 
 }  // namespace rayfarm

@@ -7,6 +7,8 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <thread>
@@ -30,8 +32,11 @@ struct JournalHead {
 /// Where the journal of a frame's file stands.
 std::string journal_of(const std::string& file);
 
-/// Throws IoError if the file is no journal, or can't be read.
-JournalHead read_journal_head(const std::string& path);
+/// Nothing if the file is one that was only begun, and holds no result. Throws IoError if it is no journal,
+/// or can't be read.
+std::optional<JournalHead> read_journal_head(const std::string& path);
+/// True if a journal stands there, whole or only begun: what may be replaced or removed.
+bool is_journal(const std::string& path);
 /// Gives each whole record to `take`, in order; returns where they end. Throws IoError if the file can't be
 /// read.
 uint64_t read_journal(const std::string& path, const JournalHead& head,
@@ -58,8 +63,10 @@ class JournalWriter {
   void remove(const std::string& path);
   /// Waits until all that was appended is on disk.
   void sync();
-  /// What could not be written since this was last asked, each with its path.
+  /// What could not be written since this was last asked, each once with its path.
   std::vector<std::string> take_problems();
+  /// True if all that was appended is, or will be, on disk.
+  bool is_whole(const std::string& path);
 
  private:
   struct File {
@@ -69,6 +76,7 @@ class JournalWriter {
     int descriptor = -1;
     bool is_over = false;    ///< to be removed
     bool is_broken = false;  ///< could not be written
+    bool has_gaps = false;   ///< the disk was too slow for some
   };
   /// More that waits for the disk is not kept, so that the host's memory is bounded.
   static constexpr size_t kMostPendingBytes = size_t{256} << 20;
@@ -85,6 +93,7 @@ class JournalWriter {
   std::map<std::string, File> files_;
   size_t pending_bytes_ = 0;
   std::vector<std::string> problems_;
+  std::set<std::string> told_;  ///< all problems there were
   bool is_writing_ = false, is_hurried_ = false, is_ending_ = false;
   std::thread thread_;  // last: it looks at the others
 };

@@ -46,9 +46,14 @@ void PicturesHost::begin(const FrameGroup& group) {
                     {0, PhaseKind::pictures, group.first.value(), static_cast<uint64_t>(group.count), 1, 0});
   is_at_work_ = true;
   std::fill(step_of_node_.begin(), step_of_node_.end(), std::nullopt);
-  resumed_.clear();
+  has_resumed_ = false;
   for (const auto& [frame, head] : options_.journals.found)
     if (frame >= group.first && frame.value() < group.first.value() + group.count) resume(frame, head);
+}
+
+bool PicturesHost::is_there(ItemIndex item) const {
+  const std::vector<bool>& there = frames_[of_job(pictures().frame_of(item)).place()].is_there;
+  return !there.empty() && there[pictures().subpolygon_of(item).place()];
 }
 
 void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
@@ -59,16 +64,17 @@ void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
       const BlockResult block = decode_block(record);
       check(block.report);
       const std::optional<ItemIndex> item = item_of(block.report);
-      if (!item || of_job(pictures().frame_of(*item)) != frame || resumed_.contains(*item)) return;
+      if (!item || of_job(pictures().frame_of(*item)) != frame || is_there(*item)) return;
       const Bytes unpacked = block.is_compressed ? pixels_of(block) : Bytes();
       const auto pixels = block.is_compressed ? std::span<const std::byte>(unpacked) : block.pixels;
       check_size(block.report, pixels);
       store(block.report, pixels);
-      resumed_.insert(*item);
     } catch (const ProtocolError&) {  // whole, but no result of this frame: it is traced again
     }
   });
   result_.pixels_resumed += static_cast<uint64_t>(frames_[frame.place()].pixels_there);
+  result_.frames[frame.place()].is_resumed = frames_[frame.place()].pixels_there > 0;
+  has_resumed_ = true;
   journal_.go_on(path, end);
 }
 
@@ -77,7 +83,7 @@ PhaseWork PicturesHost::work() const {
   work.steps = pictures().steps();
   work.items_per_step = pictures().items_per_step();
   work.window_steps = options_.window_frames;
-  if (!resumed_.empty()) work.is_done = [this](ItemIndex item) { return resumed_.contains(item); };
+  if (has_resumed_) work.is_done = [this](ItemIndex item) { return is_there(item); };
   if (options_.plan.policy == AssignmentPolicy::interleaved)
     work.owner_of = [this](ItemIndex item) { return owner_of(options_.plan, pictures(), item); };
   return work;

@@ -2,7 +2,6 @@
 // Pictures: pixels go into frame buffers, and whole frames to their files.
 #include <map>
 #include <optional>
-#include <set>
 
 #include "host/farm/farm_options.h"
 #include "host/farm/frame_writer.h"
@@ -69,6 +68,8 @@ class PicturesHost : public PhaseHost {
   void begin_frame(FrameIndex frame);
   /// What is in the frame's journal needs no work.
   void resume(FrameIndex frame, const JournalHead& head);
+  /// True if the item's result is in its frame buffer.
+  bool is_there(ItemIndex item) const;
   void tell_of_unfinished(bool with_previews);
   void tell_what_is_odd(const FrameResult& frame) const;
 
@@ -81,7 +82,7 @@ class PicturesHost : public PhaseHost {
   bool is_at_work_ = false;
   FrameWriter writer_;
   JournalWriter journal_;
-  std::set<ItemIndex> resumed_;                           ///< of the phase at work
+  bool has_resumed_ = false;  ///< journals of an earlier run brought results of the phase at work
   std::map<FrameNumber, FrameIndex> index_of_frame_;      ///< among the job's
   std::vector<FrameBuffer> frames_;                       ///< of the job
   std::vector<std::vector<PixelResult>> pixels_of_node_;  ///< pixel wire: of the subpolygon being returned

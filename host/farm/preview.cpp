@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "common/errors/input_error.h"
 #include "common/image/image_file.h"
 
 namespace rayfarm {
@@ -15,6 +16,8 @@ constexpr int kLongestSide_px = 4096;
 /// Of the chequer that stands for what is not there.
 constexpr int kChequer_px = 16;
 constexpr std::array<uint8_t, 2> kChequerGreys{96, 160};
+/// The attribute by which such pictures are known.
+constexpr const char* kMark = "rayfarm/partial";
 
 }  // namespace
 
@@ -23,8 +26,19 @@ std::string preview_of(const std::string& file) {
   return (path.parent_path() / (path.stem().string() + ".partial.png")).string();
 }
 
+bool is_preview(const std::string& path) {
+  try {
+    return read_image_info(path).attributes.contains(kMark);
+  } catch (const IoError&) {
+    return false;
+  }
+}
+
 void write_preview(const std::string& path, const Image& image, std::span<const std::byte> pixels,
                    const SubpolygonGrid& grid, const std::vector<bool>& is_there) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !is_preview(path))
+    throw std::runtime_error(path + " is another picture");
   const PixelRect& window = image.window;
   const int step = (std::max(window.width(), window.height()) + kLongestSide_px - 1) / kLongestSide_px;
   std::array<const PixelChannel*, 3> channels{};
@@ -58,7 +72,7 @@ void write_preview(const std::string& path, const Image& image, std::span<const 
                   : kChequerGreys[static_cast<size_t>((x / kChequer_px + y / kChequer_px) % 2)]);
       }
   }
-  write_image(path, preview, {{"rayfarm/version", RAYFARM_VERSION}, {"rayfarm/partial", "yes"}});
+  write_image(path, preview, {{"rayfarm/version", RAYFARM_VERSION}, {kMark, "yes"}});
 }
 
 }  // namespace rayfarm

@@ -12,8 +12,11 @@ namespace rayfarm {
 /// Of a frame's file: NAME.partial.png beside it.
 std::string preview_of(const std::string& file);
 
+/// True if such a picture stands there, and nobody else's: it may be replaced or removed.
+bool is_preview(const std::string& path);
+
 /// 8 bits a channel; a chequer of greys stands for subpolygons that are not there. Throws IoError, and
-/// std::runtime_error if the pixels hold no colour.
+/// std::runtime_error if the pixels hold no colour, or something else stands there.
 /// \param image size, window and layout of the pixels
 void write_preview(const std::string& path, const Image& image, std::span<const std::byte> pixels,
                    const SubpolygonGrid& grid, const std::vector<bool>& is_there);

@@ -14,7 +14,7 @@ void write_cost_map(const std::string& path, const JobResult& result, const Subp
   j["rows"] = grid.rows;
   j["frames"] = Json::Array();
   for (const FrameResult& frame : result.frames) {
-    if (!frame.is_written) continue;
+    if (!frame.is_written || frame.is_resumed) continue;  // what was resumed cost nothing now
     Json::Array seconds, bytes;
     for (SubpolygonId i; i.value() < grid.count(); ++i) {
       const DisplayPolygon p = grid.polygon(i);

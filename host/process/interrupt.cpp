@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -13,6 +14,12 @@ namespace rayfarm {
 namespace {
 
 std::atomic<int> caught{0};
+std::atomic<double> caught_s{0},
+    looked_s{0};  ///< when it came, and when somebody last looked whether any did
+static_assert(std::atomic<double>::is_always_lock_free);
+constexpr double kSameWish_s = 0.3;
+/// A process that works looks far more often; one that was stopped and goes on has not looked meanwhile.
+constexpr double kLongestLook_s = 0.15;
 static_assert(std::atomic<int>::is_always_lock_free);
 /// Under mpirun one wish comes twice: Slurm sends it to all processes of a job, and mpirun, which has it too,
 /// hands it on a second later. Who is impatient with mpirun is served by mpirun.
@@ -23,11 +30,32 @@ bool is_warning(int number) {
   return number == SIGUSR1 || number == SIGALRM;
 }
 
+double now_s() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 void on_signal(int number) {
   int before = 0;
-  if (caught.compare_exchange_strong(before, number) || is_warning(number)) return;
+  const double now = now_s();
+  if (caught.compare_exchange_strong(before, number)) {
+    caught_s = now;
+    return;
+  }
+  // What comes at once is the same wish again: `timeout` signals a process and its group.
+  if (is_warning(number) || now - caught_s < kSameWish_s) return;
   if (is_warning(before) && caught.compare_exchange_strong(before, number)) return;
   if (may_be_impatient) _exit(128 + number);
+}
+
+/// mpirun that is told to end lets its processes go on (SIGCONT), and kills them a second later, SIGTERM
+/// coming just before: so SIGCONT is the wish. It also comes to who was stopped; but then this process has
+/// not looked for long.
+void on_continue(int, siginfo_t* info, void*) {
+  if (info->si_pid != getppid() || now_s() - looked_s > kLongestLook_s) return;
+  int before = 0;
+  if (caught.compare_exchange_strong(before, SIGTERM)) caught_s = now_s();
 }
 
 }  // namespace
@@ -36,8 +64,14 @@ void catch_interrupts() {
   may_be_impatient = std::getenv("OMPI_COMM_WORLD_RANK") == nullptr;
   struct sigaction action {};
   action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGALRM}) sigaction(number, &action, nullptr);
+  if (!may_be_impatient) {
+    action.sa_sigaction = on_continue;
+    action.sa_flags = SA_RESTART | SA_SIGINFO;
+    sigaction(SIGCONT, &action, nullptr);
+  }
   // Who reads the text may leave: the pictures are written all the same.
   signal(SIGPIPE, SIG_IGN);
   signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is one that can't be written
@@ -55,6 +89,7 @@ void interrupt_after(double seconds) {
 }
 
 int interrupted_by() {
+  looked_s = now_s();
   return caught;
 }
 

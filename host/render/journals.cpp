@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <utility>
 
 #include "common/errors/input_error.h"
+#include "host/farm/preview.h"
 #include "host/process/exit_code.h"
 #include "host/render/settings_lines.h"
 #include "protocol/build_identity.h"
@@ -17,6 +19,17 @@ namespace {
 [[noreturn]] void refuse(const std::string& journal, const std::string& problem) {
   throw JobError(kUsageError, fmt::format("--resume: {}: {}; remove it, or leave out --resume, to begin anew",
                                           journal, problem));
+}
+
+/// What the journal is of in place of this frame of the job; empty if it is of that.
+std::string differences_of(const JournalHead& head, FrameNumber frame, const JournalLines& job) {
+  std::string differences;
+  for (const auto& [name, value] : job)
+    if (head.value(name) != value && (name != "settings" || differences.empty()))
+      differences += (differences.empty() ? "" : ", ") + name_difference(name);
+  if (head.value("frame") != fmt::format("{}", frame.value()))
+    differences += (differences.empty() ? "" : ", ") + std::string("another frame");
+  return differences;
 }
 
 }  // namespace
@@ -41,14 +54,19 @@ std::optional<JournalHead> find_journal(const std::string& file, FrameNumber fra
   } catch (const IoError& e) {
     throw JobError(kUsageError, fmt::format("--resume: {}", e.what()));
   }
-  std::string differences;
-  for (const auto& [name, value] : job)
-    if (head->value(name) != value && (name != "settings" || differences.empty()))
-      differences += (differences.empty() ? "" : ", ") + name_difference(name);
-  if (head->value("frame") != fmt::format("{}", frame.value()))
-    differences += (differences.empty() ? "" : ", ") + std::string("another frame");
-  if (!differences.empty()) refuse(path, "it is of " + differences);
+  if (!head) return std::nullopt;
+  if (const std::string differences = differences_of(*head, frame, job); !differences.empty())
+    refuse(path, "it is of " + differences);
   return head;
+}
+
+bool holds_work_of(const std::string& file, FrameNumber frame, const JournalLines& job) {
+  try {
+    const std::optional<JournalHead> head = read_journal_head(journal_of(file));
+    return head && differences_of(*head, frame, job).empty();
+  } catch (const IoError&) {
+    return false;
+  }
 }
 
 SubpolygonGrid grid_of(const JournalHead& head, const PixelRect& crop, const std::string& file) {
@@ -64,6 +82,37 @@ SubpolygonGrid grid_of(const JournalHead& head, const PixelRect& crop, const std
   grid.columns = read("columns", crop.width());
   grid.rows = read("rows", crop.height());
   return grid;
+}
+
+std::vector<std::string> adopt_journals(const PixelRect& crop, const RenderOptions& options,
+                                        FarmHostOptions& job) {
+  const auto& found = job.journals.found;
+  if (found.empty()) return {};
+  const std::string& first = job.files[found.begin()->first.place()];
+  SubpolygonGrid& grid = job.plan.pictures.grid;
+  grid = grid_of(found.begin()->second, crop, first);
+  for (const auto& [frame, head] : found) {
+    const std::string& file = job.files[frame.place()];
+    const SubpolygonGrid other = grid_of(head, crop, file);
+    if (other.columns != grid.columns || other.rows != grid.rows)
+      throw JobError(kUsageError,
+                     fmt::format("--resume: {} was cut into {} × {} subpolygons, and {} into {} × {}; "
+                                 "resume them apart (--frames), or remove one",
+                                 journal_of(first), grid.columns, grid.rows, journal_of(file), other.columns,
+                                 other.rows));
+  }
+  std::vector<std::string> notes;
+  if (std::exchange(job.plan.policy, AssignmentPolicy::on_demand) != AssignmentPolicy::on_demand)
+    notes.emplace_back("--assign interleaved: what an earlier run left is handed out on demand");
+  if (!options.cost_map.empty())
+    notes.emplace_back("--cost-map leaves out frames of which an earlier run has made a part");
+  return notes;
+}
+
+void remove_leftovers(const std::string& file) {
+  std::error_code ignored;
+  if (is_journal(journal_of(file))) std::filesystem::remove(journal_of(file), ignored);
+  if (is_preview(preview_of(file))) std::filesystem::remove(preview_of(file), ignored);
 }
 
 }  // namespace rayfarm

@@ -103,7 +103,8 @@ class Render {
     for (const FrameNumber frame : choose_frames(options_, loaded_->description)) {
       if (interrupted_by() != 0) throw JobError(kStopped, "stopped before anything was traced");
       const std::string file = file_of_frame(options_.output, frame);
-      if ((options_.skip_existing || options_.resume) && std::filesystem::exists(file)) {
+      std::error_code ignored;
+      if ((options_.skip_existing || options_.resume) && std::filesystem::exists(file, ignored)) {
         const std::string why = why_not_finished(file, settings, frame, attributes);
         if (why.empty()) {
           remove_leftovers(file);
@@ -113,12 +114,12 @@ class Render {
         log_->warn("{} {}; frame {} is rendered again", file, why, frame.value());
       }
       for (const std::string& other : {options_.stats, options_.cost_map, options_.zones_file})
-        if (file == other)
+        if (!other.empty() && (other == file || other == journal_of(file) || other == preview_of(file)))
           throw JobError(
               kUsageError,
-              fmt::format("{} is the file of frame {}, and of --stats, --cost-map or --zones; each "
-                          "output needs a name of its own",
-                          file, frame.value()));
+              fmt::format("{} is the name of a file of frame {}, and of --stats, --cost-map or --zones; "
+                          "each output needs a name of its own",
+                          other, frame.value()));
       try {
         make_camera(loaded_->compiled.scene, frame.value(), settings.width_px, settings.height_px,
                     settings.fit);
@@ -128,42 +129,17 @@ class Render {
       std::optional<JournalHead> journal;
       if (options_.resume) {
         journal = find_journal(file, frame, journal_lines);
-      } else if (std::filesystem::exists(journal_of(file))) {
-        log_->warn("{} holds work of an earlier run, which --resume would go on from; frame {} is begun anew",
-                   journal_of(file), frame.value());
+      } else if (holds_work_of(file, frame, journal_lines)) {
+        throw JobError(
+            kUsageError,
+            fmt::format("{} holds work of an earlier run of this very job: --resume goes on from there; "
+                        "remove it to begin anew",
+                        journal_of(file)));
       }
+      if (!journal) remove_leftovers(file);  // of other jobs
       pictures.push_back({frame, file, std::move(journal)});
     }
     return pictures;
-  }
-
-  /// Subpolygons are cut as they were when the journals were written, and handed out: nodes that know their
-  /// own sets do not know what is done.
-  void adopt_journals(const RenderSettings& settings, FarmHostOptions& farm_options) {
-    auto& found = farm_options.journals.found;
-    if (found.empty()) return;
-    JobPlan& plan = farm_options.plan;
-    SubpolygonGrid& grid = plan.pictures.grid;
-    grid = grid_of(found.begin()->second, settings.crop, farm_options.files[found.begin()->first.place()]);
-    for (const auto& [frame, head] : found) {
-      const std::string& file = farm_options.files[frame.place()];
-      const SubpolygonGrid other = grid_of(head, settings.crop, file);
-      if (other.columns != grid.columns || other.rows != grid.rows)
-        throw JobError(kUsageError,
-                       fmt::format("--resume: {} was cut into {} × {} subpolygons, and {} into {} × {}; "
-                                   "resume them apart (--frames), or remove one",
-                                   journal_of(farm_options.files[found.begin()->first.place()]), grid.columns,
-                                   grid.rows, journal_of(file), other.columns, other.rows));
-    }
-    if (std::exchange(plan.policy, AssignmentPolicy::on_demand) != AssignmentPolicy::on_demand)
-      log_->info("--assign interleaved: what an earlier run left is handed out on demand");
-  }
-
-  /// What a run that was ended left beside a file that is whole.
-  static void remove_leftovers(const std::string& file) {
-    std::error_code ignored;
-    for (const std::string& other : {journal_of(file), preview_of(file)})
-      std::filesystem::remove(other, ignored);
   }
 
   /// Where pictures take light from zones. Files of zones are looked through now: what is wrong with one is
@@ -264,7 +240,7 @@ class Render {
     }
     check_outputs_are_no_inputs(options_, farm_options.files, loaded_->description.files);
     farm_options.plan = make_plan(options_, settings, frames, farm_.transport.node_count());
-    adopt_journals(settings, farm_options);
+    for (const std::string& note : adopt_journals(settings.crop, options_, farm_options)) log_->info(note);
     const JobPlan& plan = farm_options.plan;
     const SubpolygonGrid& grid = plan.pictures.grid;
     if (frames.empty()) {
@@ -353,15 +329,18 @@ class Render {
       log_->error(e.what());
       is_told = false;
     }
-    for (const UnfinishedFrame& frame : result_.unfinished)
+    for (const UnfinishedFrame& frame : result_.unfinished) {
       if (!frame.journal.empty())
-        log_->info("frame {}: {:.1f} % of its pixels are in {}{}", frame.frame.value(), 100 * frame.share,
-                   frame.journal, frame.preview.empty() ? "" : "; they can be looked at in " + frame.preview);
+        log_->info("frame {}: {:.1f} % of its pixels are in {}", frame.frame.value(), 100 * frame.share,
+                   frame.journal);
+      if (!frame.preview.empty())
+        log_->info("frame {} can be looked at in {}", frame.frame.value(), frame.preview);
+    }
     if (result_.was_interrupted)
-      throw JobError(
-          kStopped,
-          fmt::format("stopped{}; frames that were finished are in place; --resume goes on from there",
-                      interrupted_by() == SIGALRM ? " by --max-time" : ""));
+      throw JobError(kStopped,
+                     fmt::format("stopped{}; frames that were finished are in place; {} goes on from there",
+                                 interrupted_by() == SIGALRM ? " by --max-time" : "",
+                                 options_.journal_every_s > 0 ? "--resume" : "--skip-existing"));
     if (result_.lost_all_nodes) {
       const std::string problem = result_.first_problem();
       throw JobError(kRenderFailure, problem.empty() ? "every node is lost"

@@ -29,13 +29,14 @@ inline std::string journal_seed(const Folder& folder) {
 
 inline void read_journal_bytes(const Folder& folder, const std::string& bytes) {
   const std::string journal = folder.write("a.png.journal", bytes);
-  const JournalHead head = read_journal_head(journal);
-  read_journal(journal, head, [](std::span<const std::byte> record) {
+  const std::optional<JournalHead> head = read_journal_head(journal);
+  if (!head) return;
+  read_journal(journal, *head, [](std::span<const std::byte> record) {
     const BlockResult block = decode_block(record);
     if (block.is_compressed) decompress_rgb8(block.pixels, 4, 8);
   });
   try {
-    grid_of(head, {0, 0, 8, 8}, folder.path + "/a.png");
+    grid_of(*head, {0, 0, 8, 8}, folder.path + "/a.png");
   } catch (const JobError& e) {  // which users are told
     throw IoError(e.what());
   }

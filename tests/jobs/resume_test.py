@@ -8,7 +8,7 @@ import statistics
 import subprocess
 import time
 
-from rayfarm_job import Job, JobTest, SCENES, main
+from rayfarm_job import Job, JobTest, RAYFARM, SCENES, main
 
 SCENE = SCENES / "primitives.yaml"
 # Ten seconds of three processors, so that kills come in the middle; the picture is that of fast ones.
@@ -88,8 +88,9 @@ class Stopped(JobTest):
         # mpirun hands SIGUSR1 on to all; nodes leave it to their host.
         result = self.stop(after=1.5)
         self.assertIn("--resume goes on from there", result.stderr)
-        share = float(re.search(r"frame 0: ([0-9.]+) % of its pixels are in .*a\.png\.journal; they can be looked at in .*a\.partial\.png",
+        share = float(re.search(r"frame 0: ([0-9.]+) % of its pixels are in .*a\.png\.journal\n",
                                 result.stderr)[1])
+        self.assertRegex(result.stderr, r"frame 0 can be looked at in .*a\.partial\.png")
         self.assertTrue(1 < share < 99, share)
         self.assertFalse((self.folder / "a.png").exists())
         told = subprocess.run(["oiiotool", "--info", self.folder / "a.partial.png"], capture_output=True, text=True).stdout
@@ -129,10 +130,14 @@ class Stopped(JobTest):
         self.assertEqual(result.code, 2, result.stderr)
         self.assertIn("another scene", result.stderr)
         self.assertEqual((self.folder / "a.png.journal").read_bytes(), kept)
-        # Without --resume it is begun anew, and that is said.
+        # Work of this very job is not thrown away without a word; that of others goes.
         result = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--progress", "none", *HEAVY)
+        self.assertEqual(result.code, 2, result.stderr)
+        self.assertIn("--resume goes on from there; remove it to begin anew", result.stderr)
+        self.assertEqual((self.folder / "a.png.journal").read_bytes(), kept)
+        result = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--progress", "none", "--size", "64x48")
         self.assertEqual(result.code, 0, result.stderr)
-        self.assertIn("which --resume would go on from", result.stderr)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["a.png"])
 
     def test_of_a_damaged_journal_the_good_part_is_used(self):
         self.stop(after=1.5)
@@ -149,7 +154,12 @@ class Stopped(JobTest):
             self.assertTrue(least <= share <= most, share)
             self.assertEqual((self.folder / "a.png").read_bytes(), whole)
             (self.folder / "a.png").unlink()
-        for damaged in (b"", b"rayfarm", kept[100:], kept.replace(b"\ncolumns", b"\ncolumn"), kept.replace(b"\nrows ", b"\nrows -")):
+        for begun in (b"", b"rayfarm", kept[:100]):
+            journal.write_bytes(begun)
+            small = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "-q", "--resume", "--size", "64x48")
+            self.assertEqual(small.code, 0, small.stderr)
+            (self.folder / "a.png").unlink()
+        for damaged in (kept[100:], kept.replace(b"\ncolumns", b"\ncolumn"), kept.replace(b"\nrows ", b"\nrows -")):
             journal.write_bytes(damaged)
             result = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--resume", *HEAVY)
             self.assertEqual(result.code, 2, result.stderr)
@@ -168,6 +178,43 @@ class Stopped(JobTest):
         result = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--progress", "none", "--journal", "0.1", *HEAVY)
         self.assertEqual(result.code, 0, result.stderr)
         self.assertEqual(result.stderr.count("a.png.journal: can't be written"), 1, result.stderr)
+
+    def test_files_of_others_stay(self):
+        (self.folder / "a.png.journal").write_text("mine")
+        (self.folder / "a.partial.png").write_text("mine, too")
+        self.stop("--journal", "0.2", after=1.0)
+        self.assertEqual((self.folder / "a.png.journal").read_text(), "mine")
+        self.assertEqual((self.folder / "a.partial.png").read_text(), "mine, too")
+        for output in ("a.png.journal", "a.partial.png"):
+            result = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--stats", self.folder / output)
+            self.assertEqual(result.code, 2, result.stderr)
+        name = "n" * 250 + ".png"
+        self.assertEqual(self.run_alone("render", SCENE, "-o", self.folder / name, "-q", "--size", "64x48").code, 0)
+
+    def test_ctrl_c_under_mpirun(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            # mpirun passes on nothing of what its processes say then: the files tell.
+            self.stop("--stats", self.folder / "s.json", "--journal", "60", name=f"c{number}.png", after=1.2, number=number)
+            for name in ("s.json", f"c{number}.partial.png", f"c{number}.png.journal"):
+                self.assertTrue((self.folder / name).exists(), name)
+                (self.folder / name).unlink()
+
+    def test_one_wish_may_come_twice(self):
+        process = subprocess.Popen([RAYFARM, "render", SCENE, "-o", self.folder / "a.png", "--progress", "none", *HEAVY, *SLOW],
+                                   stderr=subprocess.PIPE, text=True)
+        time.sleep(1)
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.01)
+        process.send_signal(signal.SIGTERM)
+        stderr = process.communicate(timeout=30)[1]
+        self.assertEqual(process.returncode, 75, stderr)
+        self.assertTrue((self.folder / "a.partial.png").exists())
+
+    def test_what_was_resumed_has_no_costs(self):
+        self.stop(after=1.5)
+        result = self.resume("--cost-map", self.folder / "c.json")
+        self.assertIn("--cost-map leaves out frames", result.stderr)
+        self.assertEqual(json.loads((self.folder / "c.json").read_text())["frames"], [])
 
     def test_bad_options(self):
         for arguments, says in ((["--max-time", "soon"], "HH:MM:SS"), (["--max-time", "0"], "HH:MM:SS"), (["--max-time", "1:99"], "HH:MM:SS"),

@@ -23,7 +23,7 @@ Bytes record_of(size_t size, int seed) {
 
 std::vector<Bytes> records_in(const std::string& path, uint64_t* end = nullptr) {
   std::vector<Bytes> records;
-  const uint64_t whole = read_journal(path, read_journal_head(path), [&](std::span<const std::byte> record) {
+  const uint64_t whole = read_journal(path, *read_journal_head(path), [&](std::span<const std::byte> record) {
     records.emplace_back(record.begin(), record.end());
   });
   if (end) *end = whole;
@@ -47,9 +47,9 @@ std::string written(const std::string& name) {
 
 TEST(Journal, WhatIsAppendedIsReadBack) {
   const std::string path = written("back.journal");
-  EXPECT_EQ(read_journal_head(path).lines, kLines);
-  EXPECT_EQ(read_journal_head(path).value("scene"), "with blanks in it");
-  EXPECT_EQ(read_journal_head(path).value("none"), "");
+  EXPECT_EQ(read_journal_head(path)->lines, kLines);
+  EXPECT_EQ(read_journal_head(path)->value("scene"), "with blanks in it");
+  EXPECT_EQ(read_journal_head(path)->value("none"), "");
   const auto records = records_in(path);
   ASSERT_EQ(records.size(), 3u);
   for (int i = 0; i < 3; ++i)
@@ -58,7 +58,7 @@ TEST(Journal, WhatIsAppendedIsReadBack) {
 
 TEST(Journal, CutAnywhereTheWholeRecordsAreRead) {
   const std::string path = written("cut.journal"), whole = contents(path);
-  const uint64_t begin = read_journal_head(path).bytes;
+  const uint64_t begin = read_journal_head(path)->bytes;
   const std::vector<uint64_t> ends{begin, begin + 108, begin + 108 + 1608, whole.size()};
   for (uint64_t size = begin; size <= whole.size(); size += 97) {
     std::ofstream(path, std::ios::binary) << whole.substr(0, size);
@@ -71,7 +71,7 @@ TEST(Journal, CutAnywhereTheWholeRecordsAreRead) {
 
 TEST(Journal, AFlippedBitEndsIt) {
   const std::string path = written("flip.journal"), whole = contents(path);
-  const uint64_t begin = read_journal_head(path).bytes;
+  const uint64_t begin = read_journal_head(path)->bytes;
   for (uint64_t at = begin; at < begin + 108 + 1608; at += 13) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 4);
@@ -108,11 +108,41 @@ TEST(Journal, GoesWhenItsFileIsWhole) {
   EXPECT_TRUE(writer.take_problems().empty());
 }
 
-TEST(Journal, WhatIsNoneIsRefused) {
-  for (const char* text : {"", "rayfarm-journal 1\n", "rayfarm-journal 2\nversion 1\n\n", "P6 3 3"}) {
+TEST(Journal, WhatIsNoneIsRefusedAndKept) {
+  for (const char* text : {"rayfarm-journal 2\nversion 1\n\n", "P6 3 3"}) {
     const std::string path = test::write_temporary("none.journal", text);
     EXPECT_THROW(read_journal_head(path), IoError) << text;
+    EXPECT_FALSE(is_journal(path));
+    JournalWriter writer(0.005);
+    writer.begin(path, kLines);
+    writer.append(path, record_of(10, 0));
+    writer.sync();
+    EXPECT_EQ(writer.take_problems().size(), 1u);
+    EXPECT_FALSE(writer.is_whole(path));
+    EXPECT_EQ(contents(path), text);
   }
+}
+
+TEST(Journal, OneThatWasOnlyBegunIsBegunAnew) {
+  const std::string path = test::write_temporary("begun.journal", "");
+  for (const char* text : {"", "rayf", "rayfarm-journal 1\n", "rayfarm-journal 1\nversion 1\n"}) {
+    std::ofstream(path, std::ios::binary) << text;
+    EXPECT_FALSE(read_journal_head(path)) << text;
+    EXPECT_TRUE(is_journal(path));
+  }
+}
+
+TEST(Journal, NoLinkIsFollowed) {
+  const std::string victim = test::write_temporary("victim", "rayfarm-journal 1\n"),
+                    path = test::write_temporary("link.journal", "");
+  std::filesystem::remove(path);
+  std::filesystem::create_symlink(victim, path);
+  JournalWriter writer(0.005);
+  writer.begin(path, kLines);
+  writer.append(path, record_of(10, 0));
+  writer.sync();
+  EXPECT_EQ(writer.take_problems().size(), 1u);
+  EXPECT_EQ(contents(victim), "rayfarm-journal 1\n");
 }
 
 TEST(Journal, WhatCannotBeWrittenIsToldOnce) {
