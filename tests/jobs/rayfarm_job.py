@@ -132,7 +132,7 @@ class JobTest(unittest.TestCase):
         self.assertLess(told["time_s"]["trace"], 0.95 * sum(told["rays"].values()) * ray_s / nodes)
 
     def leftovers(self):
-        return [p.name for p in self.folder.iterdir() if ".part" in p.name]
+        return [p.name for p in self.folder.iterdir() if p.name.endswith(".part")]
 
 
 class JobTestAlone(JobTest):
