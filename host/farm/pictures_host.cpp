@@ -64,6 +64,7 @@ void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
       const auto pixels = block.is_compressed ? std::span<const std::byte>(unpacked) : block.pixels;
       check_size(block.report, pixels);
       store(block.report, pixels);
+      show(NodeId(), block.report, pixels);
       resumed_.insert(*item);
     } catch (const ProtocolError&) {  // whole, but no result of this frame: it is traced again
     }
@@ -207,6 +208,7 @@ bool PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std:
     journal_.begin(journal_of(file_of(report.frame)), std::move(lines));
   }
   store(report, pixels);
+  show(node, report, pixels);
   FrameResult& frame_result = result_.frames[frame.place()];
   const auto subpolygons = static_cast<size_t>(pictures().items_per_step());
   if (options_.keeps_traced_by) {
@@ -246,6 +248,12 @@ void PicturesHost::store(const SubpolygonReport& report, std::span<const std::by
   frame_result.rays += rays;
   result_.rays += rays;
   result_.pixels_kept += area_of(p);
+}
+
+void PicturesHost::show(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels) const {
+  for (Watcher* const watcher : options_.watchers)
+    watcher->see({index_of_frame_.at(report.frame), report.frame, node,
+                  pictures().grid.polygon(report.subpolygon), pixels});
 }
 
 void PicturesHost::tell_what_is_odd(const FrameResult& frame) const {

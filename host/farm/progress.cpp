@@ -17,6 +17,11 @@ constexpr int kBarWidth = 24;
 
 }  // namespace
 
+std::optional<double> time_left_s(double elapsed_s, double share_done) {
+  if (!(share_done > 0)) return std::nullopt;
+  return elapsed_s * (1 - share_done) / share_done;
+}
+
 std::string format_duration(double seconds) {
   const auto s = static_cast<long long>(std::llround(seconds));
   return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
@@ -88,7 +93,8 @@ void Progress::show(double now_s, uint64_t pixels_done, uint64_t rays, uint64_t 
   if (style_ == ProgressStyle::none || (!is_time(now_s) && !at_end)) return;
   const double done =
       pixels_total_ ? static_cast<double>(pixels_done) / static_cast<double>(pixels_total_) : 1;
-  const std::string eta = done > 0 ? format_duration(now_s * (1 - done) / done) : "?";
+  const std::optional<double> left_s = time_left_s(now_s, done);
+  const std::string eta = left_s ? format_duration(*left_s) : "?";
   print(fmt::format("{:5.1f} %  {}  ETA {}  {}  {:.2f} bytes/pixel  {} node{}", 100 * done,
                     format_duration(now_s), eta,
                     format_rate(now_s > 0 ? static_cast<double>(rays) / now_s : 0, "rays/s"),
