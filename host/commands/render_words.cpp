@@ -257,9 +257,10 @@ int parse_view_port(const std::string& text) {
   int port = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), port);
   if (error != std::errc{} || stop != text.data() + text.size() || port < 0 || port > 65535)
-    throw UsageError(fmt::format("--view {}: a port is a number from 1 to 65535 (0: any that is free); if '{}' is "
-                                 "something else, let --view follow it, or write --view=0",
-                                 text, text));
+    throw UsageError(
+        fmt::format("--view {}: a port is a number from 1 to 65535 (0: any that is free); if '{}' is "
+                    "something else, let --view follow it, or write --view=0",
+                    text, text));
   return port;
 }
 
@@ -268,8 +269,10 @@ void add_watching(Options& options, RenderOptions& o) {
   options
       .text(
           "--view", [&o](const std::string& text) { o.view_port = parse_view_port(text); },
-          "serve a page to this machine alone (127.0.0.1) on which a browser shows the picture as it grows, nodes, "
-          "traffic and the time left; its address, with a secret in it, is said on stderr; it ends with the job "
+          "serve a page to this machine alone (127.0.0.1) on which a browser shows the picture as it grows, "
+          "nodes, "
+          "traffic and the time left; its address, with a secret in it, is said on stderr; it ends with the "
+          "job "
           "(no PORT: any that is free)",
           "[PORT]")
       .may_stand_alone();
@@ -282,7 +285,8 @@ void add_watching(Options& options, RenderOptions& o) {
           throw UsageError(fmt::format("--display {}: {}", text, e.what()));
         }
       },
-      "tev://HOST[:PORT]: send pictures, in linear light, to the viewer tev while they grow (default port: 14158)",
+      "tev://HOST[:PORT]: send pictures, in linear light, to the viewer tev while they grow (default port: "
+      "14158)",
       "URL");
 }
 

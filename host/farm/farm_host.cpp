@@ -281,9 +281,9 @@ void FarmHost::tell_watchers(FarmStage stage, double now) {
     status.elapsed_s = result_.times.trace_s + (stage == FarmStage::pictures ? in_phase : 0);
   }
   if (stage == FarmStage::pictures && status.pixels_total > result_.pixels_resumed)
-    status.left_s = time_left_s(status.elapsed_s,
-                                static_cast<double>(status.pixels_done - result_.pixels_resumed) /
-                                    static_cast<double>(status.pixels_total - result_.pixels_resumed));
+    status.left_s =
+        time_left_s(status.elapsed_s, static_cast<double>(status.pixels_done - result_.pixels_resumed) /
+                                          static_cast<double>(status.pixels_total - result_.pixels_resumed));
   for (Watcher* const watcher : options_.watchers) watcher->hear(status);
 }
 

@@ -250,7 +250,8 @@ void PicturesHost::store(const SubpolygonReport& report, std::span<const std::by
   result_.pixels_kept += area_of(p);
 }
 
-void PicturesHost::show(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels) const {
+void PicturesHost::show(NodeId node, const SubpolygonReport& report,
+                        std::span<const std::byte> pixels) const {
   for (Watcher* const watcher : options_.watchers)
     watcher->see({index_of_frame_.at(report.frame), report.frame, node,
                   pictures().grid.polygon(report.subpolygon), pixels});

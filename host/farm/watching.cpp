@@ -20,10 +20,10 @@ FarmStatus status_of(const JobResult& result, const TrafficMeter& meter, const A
   status.traffic.push_back({"control", control.messages, control.bytes});
   status.nodes.reserve(result.nodes.size());
   for (const NodeResult& node : result.nodes) {
-    const NodeActivity activity = !node.problem.empty()           ? NodeActivity::failed
-                                  : node.is_lost                  ? NodeActivity::lost
+    const NodeActivity activity = !node.problem.empty()          ? NodeActivity::failed
+                                  : node.is_lost                 ? NodeActivity::lost
                                   : assignment.has_work(node.id) ? NodeActivity::working
-                                                                  : NodeActivity::waiting;
+                                                                 : NodeActivity::waiting;
     status.nodes.push_back({node.id, node.machine, node.pid, activity, node.subpolygons + node.zone_items,
                             node.rays, node.busy_s + node.zone_busy_s, node.problem});
   }

@@ -25,9 +25,10 @@ Onlookers::Onlookers(const RenderOptions& options, std::function<void(const std:
   try {
     server_.emplace(*options.view_port, *view_);
   } catch (const std::runtime_error& e) {
-    throw JobError(kUsageError, fmt::format("--view {}: no page can be shown at 127.0.0.1:{} ({}); choose another "
-                                            "port, or give none and any that is free is taken",
-                                            *options.view_port, *options.view_port, e.what()));
+    throw JobError(kUsageError,
+                   fmt::format("--view {}: no page can be shown at 127.0.0.1:{} ({}); choose another "
+                               "port, or give none and any that is free is taken",
+                               *options.view_port, *options.view_port, e.what()));
   }
   say("rayfarm: look at {}\n", server_->url());
 }

@@ -118,9 +118,10 @@ void FarmView::draw(const SeenSubpolygon& subpolygon) {
   uint8_t* out = rgb.data();
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x, out += 3)
-      encode_pixel(subpolygon.pixels.data() + pixel_bytes * (static_cast<size_t>(y * step_ - top) * own_width +
-                                                             static_cast<size_t>(x * step_ - left)),
-                   out);
+      encode_pixel(
+          subpolygon.pixels.data() + pixel_bytes * (static_cast<size_t>(y * step_ - top) * own_width +
+                                                    static_cast<size_t>(x * step_ - left)),
+          out);
 
   const std::lock_guard lock(mutex_);
   Canvas* const canvas = canvas_of(subpolygon);
@@ -175,9 +176,9 @@ std::string FarmView::updates(uint64_t since) const {
     for (const uint16_t value : {update->node, update->x, update->y, update->width, update->height})
       put(records, value, 2);
     for (size_t y = update->y; y < size_t{update->y} + update->height; ++y)
-      records.append(
-          reinterpret_cast<const char*>(canvas.rgb.data()) + 3 * (y * static_cast<size_t>(width_px_) + update->x),
-          3 * size_t{update->width});
+      records.append(reinterpret_cast<const char*>(canvas.rgb.data()) +
+                         3 * (y * static_cast<size_t>(width_px_) + update->x),
+                     3 * size_t{update->width});
     ++count;
   }
   std::string answer;

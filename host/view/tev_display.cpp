@@ -130,9 +130,10 @@ void TevDisplay::end() {
   if (thread_.joinable()) thread_.join();
   thread_ = {};
   if (const uint64_t dropped = queue_.dropped(); dropped > 0 && socket_ >= 0)
-    tell_(fmt::format("--display {}: the viewer took what came more slowly than it came; {} results are not "
-                      "shown there. The files have them",
-                      name_, dropped));
+    tell_(
+        fmt::format("--display {}: the viewer took what came more slowly than it came; {} results are not "
+                    "shown there. The files have them",
+                    name_, dropped));
   if (socket_ >= 0) close(socket_);
   socket_ = -1;
 }
@@ -149,9 +150,10 @@ bool TevDisplay::connect_to_any() {
     if (connect_to(peer)) return true;
     problem = errno;
   }
-  give_up(fmt::format("can't be reached ({}); is tev running there? It listens at 127.0.0.1:14158 unless it "
-                      "was started with --hostname",
-                      std::strerror(problem)));
+  give_up(
+      fmt::format("can't be reached ({}); is tev running there? It listens at 127.0.0.1:14158 unless it "
+                  "was started with --hostname",
+                  std::strerror(problem)));
   return false;
 }
 
