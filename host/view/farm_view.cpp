@@ -9,8 +9,6 @@
 namespace rayfarm {
 namespace {
 
-/// Copies on their way to the pictures.
-constexpr size_t kMostWaitingBytes = size_t{256} << 20;
 /// Of the pictures that are kept; two are in any case.
 constexpr size_t kMostPictureBytes = size_t{128} << 20;
 constexpr size_t kMostPictures = 16;
@@ -26,7 +24,7 @@ void put(std::string& out, uint64_t value, int bytes) {
 }  // namespace
 
 FarmView::FarmView(std::string scene, std::string output)
-    : scene_(std::move(scene)), output_(std::move(output)), queue_(kMostWaitingBytes) {}
+    : scene_(std::move(scene)), output_(std::move(output)) {}
 
 FarmView::~FarmView() {
   queue_.abandon();

@@ -14,7 +14,7 @@ namespace rayfarm {
 class SubpolygonQueue {
  public:
   /// Holds so many bytes of pixels, or one result that is larger.
-  explicit SubpolygonQueue(size_t most_bytes) : most_bytes_(most_bytes) {}
+  explicit SubpolygonQueue(size_t most_bytes = size_t{256} << 20) : most_bytes_(most_bytes) {}
 
   struct Item {
     SeenSubpolygon subpolygon;      ///< its pixels are those below

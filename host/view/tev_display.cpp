@@ -21,8 +21,6 @@
 namespace rayfarm {
 namespace {
 
-/// Copies on their way to the viewer.
-constexpr size_t kMostWaitingBytes = size_t{256} << 20;
 constexpr double kConnect_s = 5, kStalled_s = 20, kFarewell_s = 5;
 /// Of an animation: the viewer holds all that it is given, as floats.
 constexpr size_t kMostFrames = 4;
@@ -94,9 +92,7 @@ TevAddress parse_tev_address(const std::string& text) {
 }
 
 TevDisplay::TevDisplay(const TevAddress& address, std::function<void(const std::string&)> tell)
-    : name_(fmt::format("tev://{}:{}", address.host, address.port)),
-      tell_(std::move(tell)),
-      queue_(kMostWaitingBytes) {
+    : name_(fmt::format("tev://{}:{}", address.host, address.port)), tell_(std::move(tell)) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
