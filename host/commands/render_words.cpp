@@ -251,9 +251,9 @@ void add_net(Options& options, RenderOptions& o) {
                   "1,1,2: factors on --processor-time by node, in turn; 2 takes twice as long");
 }
 
-/// Of --view; nothing, as of a flag, means any that is free.
+/// Of --view; nothing means any that is free.
 int parse_view_port(const std::string& text) {
-  if (text == "true") return 0;
+  if (text.empty()) return 0;
   int port = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), port);
   if (error != std::errc{} || stop != text.data() + text.size() || port < 0 || port > 65535)
