@@ -57,7 +57,7 @@ void FarmView::begin(const WatchedJob& job) {
 
 void FarmView::hear(FarmStatus status) {
   auto next = std::make_shared<const FarmStatus>(std::move(status));
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(status_mutex_);
   // One in half a second is enough to know the speed of the last few.
   if (speeds_.empty() || next->now_s - speeds_.back().now_s > 0.5) {
     Speed speed{next->now_s, static_cast<double>(next->rays), {}};
@@ -71,7 +71,7 @@ void FarmView::hear(FarmStatus status) {
 void FarmView::end(const std::string& outcome) {
   queue_.close();
   if (thread_.joinable()) thread_.join();
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(status_mutex_);
   FarmStatus status = *status_;
   status.stage = FarmStage::ended;
   status.left_s.reset();
@@ -192,18 +192,10 @@ std::string FarmView::state() const {
   state.scene = scene_;
   state.output = output_;
   state.dropped = queue_.dropped();
-  {
-    const std::lock_guard lock(mutex_);
+  {  // before the pictures: who hears of the end has heard of the last update, too
+    const std::lock_guard lock(status_mutex_);
     state.status = status_;
     state.outcome = outcome_;
-    state.updates = sequence_;
-    state.image_px = {job_.image.width_px, job_.image.height_px};
-    state.window = job_.image.window;
-    state.shown_px = {width_px_, height_px_};
-    state.frames_total = job_.files.size();
-    for (const Canvas& canvas : canvases_)
-      state.frames.push_back({canvas.number, static_cast<double>(canvas.pixels_there) /
-                                                 static_cast<double>(job_.image.window.area())});
     if (!speeds_.empty() && status_->now_s > speeds_.front().now_s) {
       const Speed& then = speeds_.front();
       const double seconds = status_->now_s - then.now_s;
@@ -212,6 +204,17 @@ std::string FarmView::state() const {
         state.node_rays_per_s.push_back(static_cast<double>(status_->nodes[i].rays - then.node_rays[i]) /
                                         seconds);
     }
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    state.updates = sequence_;
+    state.image_px = {job_.image.width_px, job_.image.height_px};
+    state.window = job_.image.window;
+    state.shown_px = {width_px_, height_px_};
+    state.frames_total = job_.files.size();
+    for (const Canvas& canvas : canvases_)
+      state.frames.push_back({canvas.number, static_cast<double>(canvas.pixels_there) /
+                                                 static_cast<double>(job_.image.window.area())});
   }
   return to_json(state);
 }

@@ -72,14 +72,17 @@ class FarmView : public Watcher {
   std::array<PixelChannel, 3> channels_;
   int step_ = 1, width_px_ = 0, height_px_ = 0;  ///< of what is shown
 
-  mutable std::mutex mutex_;  ///< of all below
+  mutable std::mutex mutex_;  ///< of the job and of all below
   std::deque<Canvas> canvases_;
   FrameIndex first_kept_;  ///< pictures of earlier frames were dropped
   std::deque<Update> updates_;
   uint64_t sequence_ = 0;
+
+  mutable std::mutex status_mutex_;  ///< of all below: whoever reads pictures does not hold up the host
   std::shared_ptr<const FarmStatus> status_ = std::make_shared<FarmStatus>();
   std::deque<Speed> speeds_;  ///< of the last seconds
   std::string outcome_;
+
   std::thread thread_;
 };
 

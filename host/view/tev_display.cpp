@@ -136,8 +136,10 @@ void TevDisplay::end() {
 
 void TevDisplay::run() {
   if (!connect_to_any()) return;
-  while (const auto item = queue_.pop())
+  while (const auto item = queue_.pop()) {
     if (!send_frame(item->subpolygon) || !send_subpolygon(item->subpolygon)) return;
+    if (now_s() > end_s_) return give_up("takes the rest too slowly");
+  }
 }
 
 bool TevDisplay::connect_to_any() {
