@@ -489,6 +489,7 @@ class Browser(JobTestAlone):
         out = self.folder / "a.png"
         job = LookedAt(1, SCENE, "-o", out, *SIZE, "--processor-time", "0.0001", "--view", "--progress", "none", "--local-nodes", "2")
         browser = Chromium(program, self.folder, f"http://127.0.0.1:{job.page.port}/{job.page.token}/")
+        self.addCleanup(browser.process.kill)
         browser.wait_until("state && state.pixels_done > 0.3 * state.pixels_total && shown !== null")
         half = browser.shoot(self.folder / "half.png")
         self.assertIn("ETA", browser.run("document.getElementById('said').textContent"))
