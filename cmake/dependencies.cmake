@@ -45,6 +45,16 @@ find_package(OpenSSL QUIET COMPONENTS Crypto)
 rayfarm_require(OpenSSL libssl-dev)
 find_package(meshoptimizer QUIET CONFIG)
 rayfarm_require(meshoptimizer libmeshoptimizer-dev)
+rayfarm_require_header(httplib httplib.h libcpp-httplib-dev)
+# Debian's is a library with these parts; they decide how large its types are, so that all must be told of them.
+find_library(httplib_LIBRARY cpp-httplib)
+if(NOT httplib_LIBRARY)
+  message(FATAL_ERROR "httplib.h is at ${httplib_INCLUDE_DIR}, and its library is nowhere. Install both with: "
+                      "apt-get install libcpp-httplib-dev")
+endif()
+target_link_libraries(httplib INTERFACE ${httplib_LIBRARY})
+target_compile_definitions(httplib INTERFACE
+  CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT CPPHTTPLIB_BROTLI_SUPPORT)
 rayfarm_require_header(glm_headers glm/glm.hpp libglm-dev)
 rayfarm_require_header(cereal_headers cereal/cereal.hpp libcereal-dev)
 rayfarm_require_header(cli11_headers CLI/CLI.hpp libcli11-dev)

@@ -25,6 +25,7 @@ struct Taken {
 /// The plain words at the beginning of a list such as `rgb|spectral[:N]`; none if it is no list.
 std::vector<std::string> words_in(const std::string& list) {
   const std::string plain = list.substr(0, list.find('['));
+  if (plain.empty()) return {};
   if (plain.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-|") != std::string::npos) return {};
   return CLI::detail::split(plain, '|');
 }
@@ -96,6 +97,11 @@ const Option& Option::for_users() const {
 
 const Option& Option::takes(const std::string& name) const {
   option_->type_name(name);
+  return *this;
+}
+
+const Option& Option::may_stand_alone() const {
+  option_->expected(0, 1);
   return *this;
 }
 

@@ -47,6 +47,8 @@ class Option {
   const Option& for_users() const;
   /// What the help says that it takes, where the kind of value has more of a name: `S` for seconds.
   const Option& takes(const std::string& name) const;
+  /// Nothing need follow it: what it takes is then an empty text.
+  const Option& may_stand_alone() const;
   /// It is taken up before those without this, wherever it stands: they change what it sets.
   const Option& read_first() const;
 

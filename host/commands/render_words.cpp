@@ -251,6 +251,45 @@ void add_net(Options& options, RenderOptions& o) {
                   "1,1,2: factors on --processor-time by node, in turn; 2 takes twice as long");
 }
 
+/// Of --view; nothing means any that is free.
+int parse_view_port(const std::string& text) {
+  if (text.empty()) return 0;
+  int port = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (error != std::errc{} || stop != text.data() + text.size() || port < 0 || port > 65535)
+    throw UsageError(
+        fmt::format("--view {}: a port is a number from 1 to 65535 (0: any that is free); if '{}' is "
+                    "something else, let --view follow it, or write --view=0",
+                    text, text));
+  return port;
+}
+
+void add_watching(Options& options, RenderOptions& o) {
+  options.begin_group("Watching");
+  options
+      .text(
+          "--view", [&o](const std::string& text) { o.view_port = parse_view_port(text); },
+          "serve a page to this machine alone (127.0.0.1) on which a browser shows the picture as it grows, "
+          "nodes, "
+          "traffic and the time left; its address, with a secret in it, is said on stderr; it ends with the "
+          "job "
+          "(no PORT: any that is free)",
+          "[PORT]")
+      .may_stand_alone();
+  options.text(
+      "--display",
+      [&o](const std::string& text) {
+        try {
+          o.display = parse_tev_address(text);
+        } catch (const std::invalid_argument& e) {
+          throw UsageError(fmt::format("--display {}: {}", text, e.what()));
+        }
+      },
+      "tev://HOST[:PORT]: send pictures, in linear light, to the viewer tev while they grow (default port: "
+      "14158)",
+      "URL");
+}
+
 void add_messages(Options& options, RenderOptions& o) {
   options.begin_group("Messages");
   options.text("--cost-map", o.cost_map,
@@ -313,6 +352,7 @@ void add_render_options(Options& options, RenderOptions& o) {
   add_hierarchy_options(options, o.build);
   add_items(options, o);
   add_net(options, o);
+  add_watching(options, o);
   add_messages(options, o);
 }
 

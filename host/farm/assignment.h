@@ -105,6 +105,7 @@ class Assignment {
   bool is_over() const { return released_ == options_.steps; }
   int nodes_alive() const { return alive_; }
   bool is_expelled(NodeId node) const { return nodes_[node.place() - 1].is_expelled; }
+  bool has_work(NodeId node) const { return nodes_[node.place() - 1].has_work(); }
 
  private:
   enum class State : uint8_t { closed, waiting, held, done };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/farm/report.h"
+#include "host/farm/watching.h"
 #include "host/process/interrupt.h"
 #include "protocol/clock.h"
 
@@ -31,7 +32,9 @@ FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResu
       pictures_(transport, options, result, tell_, assignment_),
       zones_(transport, options.plan, result, assignment_),
       progress_(options.progress,
-                static_cast<uint64_t>(options.image.window.area()) * options.plan.pictures.frames.size()) {}
+                static_cast<uint64_t>(options.image.window.area()) * options.plan.pictures.frames.size()) {
+  for (Watcher* const watcher : options_.watchers) watcher->begin({options_.image, options_.files});
+}
 
 void FarmHost::run() {
   const double begin = now_s(), cpu_begin = cpu_s();
@@ -48,11 +51,15 @@ void FarmHost::run() {
     make_pictures(group, std::move(*solution));
     if (is_over_) break;
   }
+  watchers_told_s_ = 0;
+  tell_watchers(FarmStage::writing, now_s());
   pictures_.finish(listening_.now(), result_.was_interrupted);
   result_.times.host_cpu_s = cpu_s() - cpu_begin;
   result_.times.finish_s = now_s() - begin - result_.times.trace_s - result_.zones.seconds;
   show_progress(true);
   progress_.clear();
+  watchers_told_s_ = 0;
+  tell_watchers(FarmStage::writing, now_s());
 }
 
 std::optional<Bytes> FarmHost::solve_zones(const FrameGroup& group) {
@@ -135,6 +142,7 @@ void FarmHost::run_phase(PhaseHost& phase, uint64_t address, Bytes data) {
       is_over_ = true;
     }
     show_progress(false);
+    tell_watchers(zones_.is_at_work() ? FarmStage::zones : FarmStage::pictures, now_s());
     if (has_fed || has_come) {
       backoff.reset();
     } else {
@@ -251,6 +259,32 @@ void FarmHost::tell_if_none_is_heard() {
   const bool none = assignment_.nodes_alive() == 0 && !is_over_;
   if (std::exchange(is_waiting_for_any_, none) != none && none)
     tell_(fmt::format("no node can be heard; the host waits {:g} s for one", liveness::kAllSilent_s));
+}
+
+void FarmHost::tell_watchers(FarmStage stage, double now) {
+  constexpr double kInterval_s = 0.25;
+  if (options_.watchers.empty() || now - watchers_told_s_ < kInterval_s) return;
+  watchers_told_s_ = now;
+  const double in_phase = now - phase_began_s_;
+  FarmStatus status = status_of(result_, *transport_.meter(), assignment_);
+  status.stage = stage;
+  status.now_s = now;
+  status.pixels_total =
+      static_cast<uint64_t>(options_.image.window.area()) * options_.plan.pictures.frames.size();
+  if (stage == FarmStage::zones) {
+    status.elapsed_s = result_.zones.seconds + in_phase;
+    const ZoneProgress zones = zones_.progress();
+    status.zone_rounds = zones.rounds;
+    status.zone_unsent = zones.unsent;
+    status.zone_rays = zones.rays;
+  } else {
+    status.elapsed_s = result_.times.trace_s + (stage == FarmStage::pictures ? in_phase : 0);
+  }
+  if (stage == FarmStage::pictures && status.pixels_total > result_.pixels_resumed)
+    status.left_s =
+        time_left_s(status.elapsed_s, static_cast<double>(status.pixels_done - result_.pixels_resumed) /
+                                          static_cast<double>(status.pixels_total - result_.pixels_resumed));
+  for (Watcher* const watcher : options_.watchers) watcher->hear(status);
 }
 
 void FarmHost::show_progress(bool at_end) {

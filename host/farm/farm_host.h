@@ -40,6 +40,8 @@ class FarmHost {
   void expel(NodeId node, const std::string& problem, double now);
   void tell_if_none_is_heard();
   void show_progress(bool at_end);
+  /// To those who watch, a few times a second.
+  void tell_watchers(FarmStage stage, double now);
 
   Transport& transport_;
   const FarmHostOptions& options_;
@@ -55,7 +57,7 @@ class FarmHost {
   Progress progress_;
   double phase_began_s_ = 0;  ///< see now_s, as all these
   double traced_s_ = 0;       ///< when the last pixels came
-  double ticked_s_ = 0, looked_s_ = 0;
+  double ticked_s_ = 0, looked_s_ = 0, watchers_told_s_ = 0;
   bool is_waiting_for_any_ = false;  ///< all nodes are lost, and it was told
   bool is_over_ = false;
 };

@@ -11,6 +11,7 @@
 #include "common/lighting/zones/zone_solver.h"
 #include "host/farm/journal.h"
 #include "host/farm/progress.h"
+#include "host/view/watcher.h"
 #include "protocol/job_plan.h"
 #include "protocol/liveness.h"
 
@@ -57,6 +58,7 @@ struct FarmHostOptions {
   bool keeps_costs = false;
   std::vector<ProcessSign> signs;  ///< of the nodes, in order; empty: none can be lost alone
   ProgressStyle progress = ProgressStyle::automatic;
+  std::vector<Watcher*> watchers;  ///< who else looks at pictures while they grow
 };
 
 /// Tells people what happens; the argument is one line of text.

@@ -69,6 +69,7 @@ void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
       const auto pixels = block.is_compressed ? std::span<const std::byte>(unpacked) : block.pixels;
       check_size(block.report, pixels);
       store(block.report, pixels);
+      show(NodeId(), block.report, pixels);
     } catch (const ProtocolError&) {  // whole, but no result of this frame: it is traced again
     }
   });
@@ -214,6 +215,7 @@ bool PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std:
   }
   store(report, pixels);
   result_.rays += RayCounts{report.rays, report.ray_tallies};
+  show(node, report, pixels);
   FrameResult& frame_result = result_.frames[frame.place()];
   const auto subpolygons = static_cast<size_t>(pictures().items_per_step());
   if (options_.keeps_traced_by) {
@@ -252,6 +254,13 @@ void PicturesHost::store(const SubpolygonReport& report, std::span<const std::by
   frame_result.not_finite += report.not_finite;
   frame_result.rays += rays;
   result_.pixels_kept += area_of(p);
+}
+
+void PicturesHost::show(NodeId node, const SubpolygonReport& report,
+                        std::span<const std::byte> pixels) const {
+  for (Watcher* const watcher : options_.watchers)
+    watcher->see({index_of_frame_.at(report.frame), report.frame, node,
+                  pictures().grid.polygon(report.subpolygon), pixels});
 }
 
 void PicturesHost::tell_what_is_odd(const FrameResult& frame) const {

@@ -63,6 +63,8 @@ class PicturesHost : public PhaseHost {
                    size_t bytes, double now);
   /// Into the frame buffer. Throws ProtocolError if the pixels are not those of the subpolygon.
   void store(const SubpolygonReport& report, std::span<const std::byte> pixels);
+  /// To those who watch.
+  void show(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels) const;
   void check_size(const SubpolygonReport& report, std::span<const std::byte> pixels) const;
   Bytes pixels_of(const BlockResult& block) const;
   void begin_frame(FrameIndex frame);

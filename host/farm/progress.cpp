@@ -18,6 +18,11 @@ constexpr int kBarWidth = 24;
 
 }  // namespace
 
+std::optional<double> time_left_s(double elapsed_s, double share_done) {
+  if (!(share_done > 0)) return std::nullopt;
+  return elapsed_s * (1 - share_done) / share_done;
+}
+
 std::string format_duration(double seconds) {
   const auto s = static_cast<long long>(std::llround(seconds));
   return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
@@ -106,15 +111,15 @@ void Progress::show(double now_s, uint64_t pixels_done, uint64_t pixels_resumed,
       pixels_total_ ? static_cast<double>(pixels_done) / static_cast<double>(pixels_total_) : 1;
   const auto pixels_made = static_cast<double>(pixels_done - pixels_resumed);
   const double bytes_per_pixel = pixels_made > 0 ? static_cast<double>(result_bytes) / pixels_made : 0.0;
-  const double eta_s =
-      now_s * static_cast<double>(pixels_total_ - std::min(pixels_total_, pixels_done)) / pixels_made;
+  const std::optional<double> left_s =
+      time_left_s(now_s, pixels_made / static_cast<double>(pixels_total_ - pixels_resumed));
   if (style_ == ProgressStyle::json) {
     Json::Object told{{"phase", "tracing"}, {"pixels", pixels_done}, {"pixels_total", pixels_total_},
                       {"rays", rays},       {"nodes", nodes},        {"bytes_per_pixel", bytes_per_pixel}};
-    if (pixels_made > 0) told["eta_s"] = eta_s;
+    if (left_s) told["eta_s"] = *left_s;
     return print(std::move(told), now_s, done);
   }
-  const std::string eta = pixels_made > 0 ? format_duration(eta_s) : "?";
+  const std::string eta = left_s ? format_duration(*left_s) : "?";
   print(fmt::format("{:5.1f} %  {}  ETA {}  {}  {:.2f} bytes/pixel  {} node{}", 100 * done,
                     format_duration(now_s), eta,
                     format_rate(now_s > 0 ? static_cast<double>(rays) / now_s : 0, "rays/s"), bytes_per_pixel,

@@ -2,6 +2,7 @@
 // Tells people how far the job is: one line that is rewritten on a terminal, a line every few seconds
 // elsewhere; programs a line of JSON every second.
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/lighting/zones/zone_solver.h"
@@ -39,6 +40,8 @@ class Progress {
   bool line_is_open_ = false;
 };
 
+/// What is left of work of which this share is done, if it goes on as it went; nothing if nothing is done.
+std::optional<double> time_left_s(double elapsed_s, double share_done);
 std::string format_duration(double seconds);
 /// Three digits and more: 8.81 M, 12.3 k, 812.
 std::string format_count(double count);

@@ -15,6 +15,10 @@ Completes completes(const OptionOutline& option) {
   if (option.takes == "FILE") return Completes::files;
   return option.takes == "FOLDER" ? Completes::folders : Completes::nothing;
 }
+/// `[PORT]`: nothing need follow the option.
+bool may_stand_alone(const OptionOutline& option) {
+  return option.takes.empty() || option.takes.starts_with('[');
+}
 /// Of words in their places: those that are no words of a list are files.
 Completes completes_in_place(const OptionOutline& place) {
   return place.words.empty() ? Completes::files : Completes::words;
@@ -144,7 +148,7 @@ _{0}() {{
   for (const CommandOutline& command : program.commands) {
     out += fmt::format("    {})\n      case $before in\n", command.name);
     for (const OptionOutline& option : options_of(command))
-      if (!option.takes.empty())
+      if (!may_stand_alone(option))
         out += fmt::format("        {}) _{}_{} ;;\n", fmt::join(option.names, "|"), program.name,
                            bash_action(completes(option), option.words));
     // Any place takes what the first takes: which one a word is in depends on all options before it.
@@ -193,7 +197,8 @@ _{0}() {{
         if (!option.takes.empty()) line += name.starts_with("--") ? "=" : "+";
         line += "[" + zsh_text(short_help(option.help)) + "]";
         if (!option.takes.empty())
-          line += ":" + zsh_text(option.words.empty() ? option.takes : "word") + ":" +
+          line += (may_stand_alone(option) ? "::" : ":") +
+                  zsh_text(option.words.empty() ? option.takes : "word") + ":" +
                   zsh_action(completes(option), option.words);
         out += " \\\n        " + quoted(line, "'\\''");
       }
@@ -219,7 +224,7 @@ std::string fish_completion_of(const ProgramOutline& program) {
     std::string rest;
     for (const std::string& name : option.names)
       rest += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-    if (!option.takes.empty()) rest += fish_action(completes(option), option.words);
+    if (!may_stand_alone(option)) rest += fish_action(completes(option), option.words);
     line(when, rest + " -d " + fish_text(short_help(option.help)));
   };
   const std::string at_first = "__fish_use_subcommand";

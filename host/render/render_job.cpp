@@ -22,6 +22,7 @@
 #include "host/render/choices.h"
 #include "host/render/frame_groups.h"
 #include "host/render/journals.h"
+#include "host/render/onlookers.h"
 #include "host/render/output_pattern.h"
 #include "host/render/outputs.h"
 #include "host/render/reception.h"
@@ -74,6 +75,7 @@ class Render {
     ending.has_losses = !result_.lost_nodes().empty();
     dismiss_nodes(farm_.transport, ending.has_losses);
     farm_.wait_for_nodes();  // they may still trace in the scene that ends with this object
+    if (onlookers_) onlookers_->end(ending.exit_code);
     return ending;
   }
 
@@ -82,6 +84,7 @@ class Render {
     check_outputs(options_);
     for (const std::string& note : name_idle_options(options_, farm_.transport.is_one_process()))
       log_->warn(note);
+    onlookers_.emplace(options_, [this](const std::string& text) { log_->warn(text); });
     RollCall roll_call(farm_.transport, result_);
     loaded_ = load_while_nodes_report(options_, roll_call);
     options_ = loaded_->options;
@@ -296,6 +299,7 @@ class Render {
     farm_options.keeps_costs = !options_.cost_map.empty();
     farm_options.node_timeout_s = options_.node_timeout_s;
     farm_options.signs = roll_call.signs();
+    farm_options.watchers = onlookers_->watchers();
     farm_options.progress = options_.is_quiet ? ProgressStyle::none : options_.progress;
     {
       FarmHost host(farm_.transport, farm_options, result_,
@@ -364,6 +368,7 @@ class Render {
   std::optional<Bytes> solution_;       ///< to be baked
   std::string baked_;                   ///< what was, a line
   double begin_ = 0;
+  std::optional<Onlookers> onlookers_;  // last: they tell by the log
 };
 
 }  // namespace

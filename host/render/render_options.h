@@ -12,6 +12,7 @@
 #include "common/scene/render_settings.h"
 #include "host/bake/bake_options.h"
 #include "host/farm/progress.h"
+#include "host/view/tev_display.h"
 #include "protocol/job_plan.h"
 
 namespace rayfarm {
@@ -50,6 +51,8 @@ struct RenderOptions {
   std::optional<BakeOptions> bake;  ///< the light of zones is written in place of pictures
   std::string zones_file;           ///< where the light of zones is kept; empty: nowhere
   ProgressStyle progress = ProgressStyle::automatic;
+  std::optional<int> view_port;       ///< where a page shows the job; 0: at any port that is free
+  std::optional<TevAddress> display;  ///< of a viewer that pictures are sent to while they grow
   bool is_quiet = false, is_verbose = false, is_full_report = false;
 
   /// These options and those that the loaded scene asks for beside them; unset: it is not asked. Throws
