@@ -37,6 +37,7 @@ struct PhaseOver {};
 struct PolygonOfStep {
   StepIndex step;
   DisplayPolygon polygon;
+  Bytes running;  ///< of the pass before
 };
 using Assigned = std::variant<PolygonOfStep, UnitRange>;
 
@@ -110,7 +111,8 @@ class Node {
         if (is_of_zones())
           assigned_.emplace_back(decode_unit_range(message));
         else
-          assigned_.emplace_back(PolygonOfStep{step_, decode_display_polygon(message)});
+          assigned_.emplace_back(
+              PolygonOfStep{step_, decode_display_polygon(message), std::exchange(running_, {})});
     }
   }
 
@@ -124,6 +126,7 @@ class Node {
     phase_.reset();
     is_prepared_ = false;
     assigned_.clear();
+    running_.clear();
     step_ = open_end_ = own_step_ = StepIndex();
     next_own_ = 0;
     if (!is_of_zones() || tracer_frame_ != begin.frame) tracer_.reset();
@@ -154,6 +157,7 @@ class Node {
     if (std::holds_alternative<AskPresent>(control)) transport_.send(kHost, Present{});
     if (const auto* hello = std::get_if<Hello>(&control)) host_ = {hello->machine, hello->pid};
     if (const auto* select = std::get_if<SelectStep>(&control)) step_ = select->step;
+    if (const auto* go_on = std::get_if<GoOnFrom>(&control)) running_ = go_on->running;
     if (const auto* open = std::get_if<OpenSteps>(&control)) open_end_ = open->end;
     if (const auto* end = std::get_if<EndProcess>(&control)) end_hung_process(end->pid);
     if (const auto* begin = std::get_if<BeginPhase>(&control)) {
@@ -170,7 +174,7 @@ class Node {
     if (begin_.units == 0 || !data().is_whole()) return std::nullopt;
     if (!phase_) phase_ = phase_of(*plan_, begin_);
     if (!assigned_.empty()) {
-      const Assigned next = assigned_.front();
+      Assigned next = std::move(assigned_.front());
       assigned_.pop_front();
       return next;
     }
@@ -188,7 +192,7 @@ class Node {
     }
     if (own_step_ >= open_end_ || own_step_.value() >= phase.steps()) return std::nullopt;
     const SubpolygonId own = own_subpolygon(*plan_, phase, own_step_, (*own_set_)[next_own_++]);
-    return PolygonOfStep{own_step_, phase.grid.polygon(own)};
+    return PolygonOfStep{own_step_, phase.grid.polygon(own), {}};
   }
 
   std::optional<Assigned> next_own(const ZonePhase& phase) {
@@ -226,13 +230,17 @@ class Node {
     if (!phase.has(item)) throw ProtocolError("the step is not one of the phase's");
     if (begin_.data_bytes > 0 && !is_prepared_) pictures_->set_zones(data().bytes());
     is_prepared_ = true;
-    const ItemResult result = pictures_->work(phase.number_of(item), assigned.polygon, [this] { pulse(); });
+    const int pass = phase.pass_of(assigned.step);
+    const ItemResult result =
+        pictures_->work(phase.number_of(item), assigned.polygon,
+                        {static_cast<uint32_t>(pass), static_cast<uint32_t>(phase.passes), assigned.running},
+                        [this] { pulse(); });
     if (plan_->ray_time_s > 0) pretend_until(begin + emulated_s(result.rays));
     const SubpolygonReport report{phase.number_of(item), *subpolygon,
                                   result.rays.by_kind,   static_cast<uint64_t>((now_s() - begin) * 1e6),
                                   result.sees_anything,  result.not_finite,
                                   result.rays.tallies};
-    send_subpolygon(transport_, self_, *plan_, assigned.polygon, report, result.bytes);
+    send_subpolygon(transport_, self_, *plan_, assigned.polygon, report, static_cast<uint16_t>(pass), result);
   }
 
   /// Does an item of a stage of zones, and returns what came of it.
@@ -301,6 +309,7 @@ class Node {
   std::unique_ptr<ZoneTracer> tracer_;
   int tracer_frame_ = 0;
   StepIndex step_;  ///< of the display polygons to come
+  Bytes running_;   ///< of the pass before, for the next of them
   std::deque<Assigned> assigned_;
   StepIndex open_end_;  ///< interleaved: steps before this may be worked on
   StepIndex own_step_;  ///< interleaved: at whose items the node is

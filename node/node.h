@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/lighting/ray_counts.h"
+#include "common/lighting/render_pass.h"
 #include "common/lighting/zones/zone_solver.h"
 #include "protocol/job_plan.h"
 #include "protocol/liveness.h"
@@ -19,6 +20,7 @@ struct ItemResult {
   RayCounts rays;
   bool sees_anything = true;  ///< an eye ray met something
   uint64_t not_finite = 0;    ///< pixels that are infinite or not a number
+  Bytes running;              ///< what the next pass goes on from; empty after the last
 };
 
 /// Traces pictures.
@@ -28,7 +30,7 @@ class PictureWorker {
   /// Before pictures that read zones: what a ZoneSolver found. The bytes stay valid until the next.
   virtual void set_zones(std::span<const std::byte> solution) = 0;
   /// `pulse` must be called often; what it throws must pass through.
-  virtual ItemResult work(FrameNumber frame, const DisplayPolygon& polygon,
+  virtual ItemResult work(FrameNumber frame, const DisplayPolygon& polygon, const RenderPass& pass,
                           const std::function<void()>& pulse) = 0;
 };
 

@@ -28,9 +28,10 @@ void send_pixels(Transport& transport, NodeId self, const DisplayPolygon& polygo
 }
 
 void send_block(Transport& transport, NodeId self, bool compresses, const DisplayPolygon& polygon,
-                const SubpolygonReport& report, const Bytes& pixels) {
+                const SubpolygonReport& report, uint16_t pass, const ItemResult& result) {
+  const Bytes& pixels = result.bytes;
   const int width = polygon.right - polygon.left + 1, height = polygon.bottom - polygon.top + 1;
-  BlockResult block{report, false, pixels};
+  BlockResult block{report, false, pixels, pass, result.running};
   Bytes compressed;
   if (compresses) {
     compressed = compress_rgb8(pixels, width, height);
@@ -45,11 +46,11 @@ void send_block(Transport& transport, NodeId self, bool compresses, const Displa
 }  // namespace
 
 void send_subpolygon(Transport& transport, NodeId self, const JobPlan& plan, const DisplayPolygon& polygon,
-                     const SubpolygonReport& report, const Bytes& pixels) {
+                     const SubpolygonReport& report, uint16_t pass, const ItemResult& result) {
   if (plan.wire == Wire::pixel)
-    send_pixels(transport, self, polygon, report, pixels);
+    send_pixels(transport, self, polygon, report, result.bytes);
   else
-    send_block(transport, self, plan.compresses, polygon, report, pixels);
+    send_block(transport, self, plan.compresses, polygon, report, pass, result);
 }
 
 void send_zones(Transport& transport, NodeId self, ZoneResult result, const Bytes& bytes) {

@@ -13,13 +13,14 @@ class PictureTracer : public PictureWorker {
 
   void set_zones(std::span<const std::byte> solution) override { zones_ = solution; }
 
-  ItemResult work(FrameNumber frame, const DisplayPolygon& p, const std::function<void()>& pulse) override {
+  ItemResult work(FrameNumber frame, const DisplayPolygon& p, const RenderPass& pass,
+                  const std::function<void()>& pulse) override {
     if (!zones_.empty()) renderer_.set_zones(frame.value(), zones_);
     zones_ = {};  // not before: should they fail, the next item fails, too
     RenderedPixels rendered =
-        renderer_.render(frame.value(), {p.left, p.top, p.right + 1, p.bottom + 1}, pulse);
+        renderer_.render(frame.value(), {p.left, p.top, p.right + 1, p.bottom + 1}, pulse, pass);
     return {std::move(rendered.pixels), rendered.counts, rendered.eye_hits > 0 || has_media_,
-            rendered.not_finite};
+            rendered.not_finite, std::move(rendered.running)};
   }
 
  private:

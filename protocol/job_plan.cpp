@@ -8,8 +8,8 @@ namespace {
 // Times and factors travel as whole numbers.
 constexpr double kTicksPerSecond = 1e12, kFactorUnit = 1e6;
 
-enum Flag : uint8_t { kPixelWire = 1, kCompresses = 2, kRotates = 4, kRows = 8 };
-constexpr int kAllFlags = kPixelWire | kCompresses | kRotates | kRows;
+enum Flag : uint8_t { kPixelWire = 1, kCompresses = 2, kRotates = 4, kRows = 8, kPasses = 16 };
+constexpr int kAllFlags = kPixelWire | kCompresses | kRotates | kRows | kPasses;
 
 void write_pictures(ByteWriter& w, const PicturesPhase& phase) {
   w.varint(phase.frames.size());
@@ -45,7 +45,8 @@ Bytes encode_plan(const JobPlan& plan) {
   w.u8(static_cast<uint8_t>(plan.policy));
   w.u8(static_cast<uint8_t>((plan.wire == Wire::pixel ? kPixelWire : 0) |
                             (plan.compresses ? kCompresses : 0) | (plan.rotates ? kRotates : 0) |
-                            (plan.sets == SetPattern::rows ? kRows : 0)));
+                            (plan.sets == SetPattern::rows ? kRows : 0) |
+                            (plan.pictures.passes > 1 ? kPasses : 0)));
   w.u32(static_cast<uint32_t>(plan.processors));
   w.u32(static_cast<uint32_t>(plan.host_timeout_s * 1000));
   w.varint(static_cast<uint64_t>(plan.ray_time_s * kTicksPerSecond));
@@ -54,6 +55,7 @@ Bytes encode_plan(const JobPlan& plan) {
   w.varint(plan.settings.size());
   w.bytes(plan.settings);
   write_pictures(w, plan.pictures);
+  if (plan.pictures.passes > 1) w.varint(static_cast<uint64_t>(plan.pictures.passes));
   return w.take();
 }
 
@@ -80,6 +82,16 @@ JobPlan decode_plan(std::span<const std::byte> bytes) {
   const auto settings = r.bytes(r.varint());
   plan.settings.assign(settings.begin(), settings.end());
   plan.pictures = read_pictures(r, bytes.size());
+  if (flags & kPasses) {
+    const uint64_t passes = r.varint();
+    if (passes < 1 || passes > PicturesPhase::kMostPasses) throw ProtocolError("a plan of too many passes");
+    if (plan.policy == AssignmentPolicy::interleaved || plan.wire == Wire::pixel)
+      throw ProtocolError("a plan of passes that nodes or wire can't go through");
+    plan.pictures.passes = static_cast<int>(passes);
+  }
+  if (plan.pictures.frames.size() * static_cast<size_t>(plan.pictures.passes) >
+      static_cast<size_t>(std::numeric_limits<int>::max()))
+    throw ProtocolError("a plan has more passes of frames than can be counted");
   return plan;  // load code pads its payload to whole words, so bytes may follow
 }
 
@@ -101,8 +113,10 @@ Phase phase_of(const JobPlan& plan, const BeginPhase& begin) {
   if (begin.frame < 0 || first > all || begin.units > all - first)
     throw ProtocolError("a phase has frames that the plan has not");
   const auto at = frames.begin() + begin.frame;
-  return PicturesPhase{
-      {at, at + static_cast<std::ptrdiff_t>(begin.units)}, plan.pictures.grid, FrameIndex(begin.frame)};
+  return PicturesPhase{{at, at + static_cast<std::ptrdiff_t>(begin.units)},
+                       plan.pictures.grid,
+                       FrameIndex(begin.frame),
+                       plan.pictures.passes};
 }
 
 namespace {

@@ -31,7 +31,14 @@ Value checked(uint64_t number) {
 }
 
 /// Of return result, beside the thesis's pixels.
-enum class Form : uint8_t { block, compressed_block, zone, compressed_zone };
+enum class Form : uint8_t {
+  block,
+  compressed_block,
+  zone,
+  compressed_zone,
+  pass_block,
+  compressed_pass_block
+};
 
 SubpolygonReport read_report(ByteReader& r) {
   SubpolygonReport report;
@@ -182,9 +189,17 @@ PixelResult read_pixel(ByteReader& r) {
 Bytes encode_block(uint16_t processor, const BlockResult& block) {
   ByteWriter w;
   w.u16(encode_word({Command::return_result, processor}));
-  w.u8(static_cast<uint8_t>(block.is_compressed ? Form::compressed_block : Form::block));
+  const bool is_of_pass = block.pass > 0 || !block.running.empty();
+  w.u8(static_cast<uint8_t>(is_of_pass
+                                ? (block.is_compressed ? Form::compressed_pass_block : Form::pass_block)
+                                : (block.is_compressed ? Form::compressed_block : Form::block)));
   write_report(w, block.report);
+  if (is_of_pass) {
+    w.varint(block.pass);
+    w.varint(block.pixels.size());
+  }
   w.bytes(block.pixels);
+  w.bytes(block.running);
   return w.take();
 }
 
@@ -193,10 +208,17 @@ BlockResult decode_block(std::span<const std::byte> message) {
   expect(r, Command::return_result);
   BlockResult block;
   const Form form{r.u8()};
-  if (form > Form::compressed_block) throw ProtocolError("a block of unknown form");
-  block.is_compressed = form == Form::compressed_block;
+  const bool is_of_pass = form == Form::pass_block || form == Form::compressed_pass_block;
+  if (!is_of_pass && form > Form::compressed_block) throw ProtocolError("a block of unknown form");
+  block.is_compressed = form == Form::compressed_block || form == Form::compressed_pass_block;
   block.report = read_report(r);
-  block.pixels = r.rest();
+  if (is_of_pass) {
+    block.pass = checked<uint16_t>(r.varint());
+    block.pixels = r.bytes(r.varint());
+    block.running = r.rest();
+  } else {
+    block.pixels = r.rest();
+  }
   return block;
 }
 
@@ -265,6 +287,7 @@ Bytes encode_control(const Control& control) {
       w.u32(static_cast<uint32_t>(m.frame));
       for (const uint64_t v : {m.units, m.units_per_item, m.data_bytes}) w.varint(v);
     }
+    void operator()(const GoOnFrom& m) const { w.bytes(m.running); }
   };
   std::visit(Write{w}, control);
   return w.take();
@@ -328,6 +351,11 @@ Control decode_control(std::span<const std::byte> message) {
       if (m.units == 0 || m.units_per_item == 0) throw ProtocolError("a phase without work");
       if (m.data_bytes > kMostPhaseDataBytes) throw ProtocolError("a phase with too many data");
       control = m;
+      break;
+    }
+    case 12: {
+      const std::span<const std::byte> running = r.rest();
+      control = GoOnFrom{Bytes(running.begin(), running.end())};
       break;
     }
     default:

@@ -117,11 +117,14 @@ struct PixelResult {
 void append_pixel(uint16_t processor, const PixelResult& pixel, ByteWriter& out);
 PixelResult read_pixel(ByteReader& in);
 
-/// A whole subpolygon: report, then the pixels' bytes.
+/// A whole subpolygon: report, then the pixels' bytes. In a picture of several passes also which it is, and
+/// what the next goes on from: bytes whose meaning the renderer knows.
 struct BlockResult {
   SubpolygonReport report;
-  bool is_compressed = false;
+  bool is_compressed = false;  ///< the pixels
   std::span<const std::byte> pixels;
+  uint16_t pass = 0;
+  std::span<const std::byte> running{};  ///< none after the last pass
 };
 Bytes encode_block(uint16_t processor, const BlockResult& block);
 BlockResult decode_block(std::span<const std::byte> message);
@@ -166,7 +169,11 @@ struct BeginPhase {
   uint64_t data_bytes = 0;
   bool operator==(const BeginPhase&) const = default;
 };
-/// Host → node: the step (of pictures: the frame) of the display polygons that follow.
+/// Host → node: what the pass before gave for the display polygon that comes next.
+struct GoOnFrom {
+  Bytes running;
+};
+/// Host → node: the step (of pictures: the frame, and its pass) of the display polygons that follow.
 struct SelectStep {
   StepIndex step;
 };
@@ -201,7 +208,7 @@ struct AskPresent {};
 /// Node → host.
 struct Present {};
 using Control = std::variant<Hello, Alive, SelectStep, OpenSteps, SubpolygonDone, ItemFailed, NodeFailed,
-                             EndProcess, Finish, AskPresent, Present, BeginPhase>;
+                             EndProcess, Finish, AskPresent, Present, BeginPhase, GoOnFrom>;
 Bytes encode_control(const Control& control);
 Control decode_control(std::span<const std::byte> message);
 

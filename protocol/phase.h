@@ -10,23 +10,31 @@
 
 namespace rayfarm {
 
-/// Pictures: a step is a frame, an item one of its subpolygons.
+/// Pictures: a step is a pass of a frame, most often the only one, and an item one of its subpolygons. Passes
+/// of a frame follow each other; each goes on from what the one before gave.
 struct PicturesPhase {
   std::vector<FrameNumber> frames;  ///< in the order in which they are rendered
   SubpolygonGrid grid;              ///< of every frame
   FrameIndex first;                 ///< of the job's frames: from there on interleaved sets have moved
+  int passes = 1;                   ///< of each frame
 
-  int steps() const { return static_cast<int>(frames.size()); }
+  static constexpr int kMostPasses = 1000;
+
+  int steps() const { return static_cast<int>(frames.size()) * passes; }
   int items_per_step() const { return grid.count(); }
   bool has(ItemIndex item) const {
     return item.value() >= 0 && item.value() < int64_t{steps()} * items_per_step();
   }
-  ItemIndex item_of(FrameIndex frame, SubpolygonId subpolygon) const {
-    return ItemIndex(int64_t{frame.value()} * items_per_step() + subpolygon.value());
+  StepIndex step_of(FrameIndex frame, int pass) const { return StepIndex(frame.value() * passes + pass); }
+  StepIndex step_of(ItemIndex item) const {
+    return StepIndex(static_cast<int>(item.value() / items_per_step()));
   }
-  FrameIndex frame_of(ItemIndex item) const {
-    return FrameIndex(static_cast<int>(item.value() / items_per_step()));
+  FrameIndex frame_of(StepIndex step) const { return FrameIndex(step.value() / passes); }
+  int pass_of(StepIndex step) const { return step.value() % passes; }
+  ItemIndex item_of(StepIndex step, SubpolygonId subpolygon) const {
+    return ItemIndex(int64_t{step.value()} * items_per_step() + subpolygon.value());
   }
+  FrameIndex frame_of(ItemIndex item) const { return frame_of(step_of(item)); }
   SubpolygonId subpolygon_of(ItemIndex item) const {
     return SubpolygonId(static_cast<int>(item.value() % items_per_step()));
   }

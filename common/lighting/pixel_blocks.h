@@ -1,6 +1,7 @@
 #pragma once
 // Pixels of a rectangle, one by one and in blocks.
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "common/image/pixel_rect.h"
@@ -38,6 +39,7 @@ class PixelMap {
   PixelMap(const PixelRect& rect, const T& value)
       : rect_(rect), values_(static_cast<size_t>(rect.area()), value) {}
   const PixelRect& rect() const { return rect_; }
+  std::span<T> values() { return values_; }
   T& operator[](const Pixel& p) {
     return values_[static_cast<size_t>(p.y - rect_.y0) * static_cast<size_t>(rect_.width()) +
                    static_cast<size_t>(p.x - rect_.x0)];

@@ -3,7 +3,7 @@
 #include "common/image/film.h"
 #include "common/lighting/eye_rays.h"
 #include "common/lighting/pixel_blocks.h"
-#include "common/lighting/self_hits.h"
+#include "common/lighting/running_pixel.h"
 #include "common/math/portable_math.h"
 #include "common/sampling/warps.h"
 
@@ -17,7 +17,8 @@ constexpr size_t kRaysPerPulse = 64;
 /// One rectangle of the current frame.
 class Renderer::Rendering {
  public:
-  Rendering(Renderer& renderer, const PixelRect& rect, const std::function<void()>& pulse)
+  Rendering(Renderer& renderer, const PixelRect& rect, const RenderPass& pass,
+            const std::function<void()>& pulse)
       : settings_(renderer.settings_),
         passes_(renderer.passes_),
         integrator_(*renderer.integrator_),
@@ -32,6 +33,9 @@ class Renderer::Rendering {
         rect_(rect),
         pulse_(pulse),
         exposure_(portable_exp2(settings_.exposure_stops)),
+        noise_(settings_.noise, exposure_),
+        pass_(pass),
+        end_(pass.end(settings_.samples)),
         film_(rect, make_pixel_layout(settings_.pixel_format)) {}
 
   RenderedPixels run() {
@@ -40,14 +44,7 @@ class Renderer::Rendering {
     else if (settings_.adaptive_contrast > 0 && settings_.samples > 1)
       render_adaptively();
     else
-      for_each_block(rect_, [&](const Pixel& block, const PixelRect& part) {
-        OfPacket<Pixel> pixels;
-        for_each_pixel(part, [&](const Pixel& p) { pixels.push_back(p); });
-        OfPacket<Color> sums;
-        for (size_t i = 0; i < pixels.size(); ++i) sums.push_back(Color(0));
-        add_samples(block, pixels, 0, sums);
-        for (size_t i = 0; i < pixels.size(); ++i) write(pixels[i], mean(sums[i]));
-      });
+      render_pass();
     result_.pixels = film_.take_pixels();
     result_.not_finite = film_.not_finite();
     return std::move(result_);
@@ -150,33 +147,79 @@ class Renderer::Rendering {
     return filter_.sample(tables_.sampler.point(id, dimension::kScreen));
   }
 
-  /// One sample of each pixel.
-  void trace_sample(const Pixel& block, std::span<const Pixel> pixels, uint32_t sample,
-                    RenderedPixels& counted, Color* colors, double* weights) {
+  /// Samples that share a moment.
+  void trace_samples(const Moment& moment, std::span<const SampleId> ids, RenderedPixels& counted,
+                     Color* colors, double* weights) {
     RasterPoints at;
+    for (size_t i = 0; i < ids.size(); ++i) {
+      const PixelFilter::Place place = place_of(ids[i]);
+      at.x[i] = ids[i].x + 0.5 + place.offset.x;
+      at.y[i] = ids[i].y + 0.5 + place.offset.y;
+      weights[i] = place.weight;
+    }
+    trace(moment, at, ids, counted, colors);
+  }
+
+  /// The samples of a pass: each pixel goes on from where the pass before left it.
+  void render_pass() {
+    const bool has_passes = pass_.count > 1;
+    PixelMap<RunningPixel> all(has_passes ? rect_ : PixelRect(), {});
+    if (pass_.index > 0)
+      decode_running(pass_.before, noise_.is_set(), pass_.begin(settings_.samples), all.values());
+    for_each_block(rect_, [&](const Pixel& block, const PixelRect& part) {
+      OfPacket<Pixel> pixels;
+      OfPacket<RunningPixel> running;
+      for_each_pixel(part, [&](const Pixel& p) {
+        pixels.push_back(p);
+        running.push_back(has_passes ? all[p] : RunningPixel());
+      });
+      take_samples(block, pixels, running);
+      for (size_t i = 0; i < pixels.size(); ++i) {
+        write(pixels[i], running[i].mean());
+        if (has_passes) all[pixels[i]] = running[i];
+      }
+    });
+    if (!pass_.is_last()) result_.running = encode_running(all.values(), noise_.is_set());
+  }
+
+  /// What pixels still need. Those of a block that go on have equally many samples.
+  void take_samples(const Pixel& block, const OfPacket<Pixel>& pixels, OfPacket<RunningPixel>& running) {
+    while (true) {
+      OfPacket<size_t> wanting;
+      for (size_t i = 0; i < running.size(); ++i)
+        if (running[i].samples < end_ && !(noise_.is_set() && noise_.is_met(running[i])))
+          wanting.push_back(i);
+      if (wanting.empty()) return;
+      const uint32_t first = running[wanting[0]].samples, batch = first / NoiseTarget::kBatch + 1;
+      add_samples(block, pixels, wanting, first,
+                  noise_.is_set() ? std::min(end_, batch * NoiseTarget::kBatch) : end_, running);
+    }
+  }
+
+  /// Adds the samples from `first` to `end` of some of a block's pixels. Where these do not fill a packet,
+  /// the next sample's rays come along.
+  void add_samples(const Pixel& block, const OfPacket<Pixel>& pixels, const OfPacket<size_t>& wanting,
+                   uint32_t first, uint32_t end, OfPacket<RunningPixel>& running) {
     OfPacket<SampleId> ids;
-    for (const Pixel& p : pixels) {
-      const size_t i = ids.size();
-      const SampleId& id = ids.push_back({p.x, p.y, sample});
-      const PixelFilter::Place place = place_of(id);
-      at.x[i] = p.x + 0.5 + place.offset.x;
-      at.y[i] = p.y + 0.5 + place.offset.y;
-      *weights++ = place.weight;
-    }
-    trace(moment_of(block, sample), at, ids.span(), counted, colors);
+    OfPacket<size_t> owners;
+    for (uint32_t sample = first; sample < end; ++sample)
+      for (const size_t i : wanting) {
+        ids.push_back({pixels[i].x, pixels[i].y, sample});
+        owners.push_back(i);
+        const bool ends_sample = i == wanting[wanting.size() - 1];
+        if (!ids.is_full() && !(ends_sample && (moments_.size() > 1 || sample + 1 == end))) continue;
+        std::array<Color, kMostPacketRays> colors;
+        std::array<double, kMostPacketRays> weights;
+        trace_samples(moment_of(block, sample), ids.span(), result_, colors.data(), weights.data());
+        for (size_t k = 0; k < owners.size(); ++k)
+          if (noise_.is_set())
+            running[owners[k]].add_with_squares(weights[k] * colors[k]);
+          else
+            running[owners[k]].add(weights[k] * colors[k]);
+        ids.clear();
+        owners.clear();
+      }
   }
-
-  /// Adds the samples from `first` on.
-  void add_samples(const Pixel& block, const OfPacket<Pixel>& pixels, uint32_t first, OfPacket<Color>& sums) {
-    std::array<Color, kMostPacketRays> colors;
-    std::array<double, kMostPacketRays> weights;
-    for (uint32_t sample = first; sample < settings_.samples; ++sample) {
-      trace_sample(block, pixels.span(), sample, result_, colors.data(), weights.data());
-      for (size_t i = 0; i < pixels.size(); ++i) sums[i] += weights[i] * colors[i];
-    }
-  }
-
-  Color mean(const Color& sum) const { return sum / static_cast<double>(settings_.samples); }
 
   void write(const Pixel& p, const Color& color) {
     const Color exposed = exposure_ * color;
@@ -236,18 +279,17 @@ class Renderer::Rendering {
     PixelMap<char> is_refined = find_differences(firsts);
     for_each_block(rect_, [&](const Pixel& block, const PixelRect& part) {
       OfPacket<Pixel> pixels;
-      OfPacket<Color> sums;
+      OfPacket<RunningPixel> running;
       for_each_pixel(part, [&](const Pixel& p) {
         if (!is_refined[p]) {
           write(p, firsts[p]);
           return;
         }
         pixels.push_back(p);
-        sums.push_back(place_of({p.x, p.y, 0}).weight * firsts[p]);
+        running.push_back({.sum = place_of({p.x, p.y, 0}).weight * firsts[p], .samples = 1});
       });
-      if (pixels.empty()) return;
-      add_samples(block, pixels, 1, sums);
-      for (size_t i = 0; i < pixels.size(); ++i) write(pixels[i], mean(sums[i]));
+      take_samples(block, pixels, running);
+      for (size_t i = 0; i < pixels.size(); ++i) write(pixels[i], running[i].mean());
     });
   }
 
@@ -259,14 +301,16 @@ class Renderer::Rendering {
          std::min(rect_.y1 + 1, settings_.height_px)},
         Color(0));
     for_each_block(firsts.rect(), [&](const Pixel& block, const PixelRect& part) {
-      OfPacket<Pixel> inside, around;
-      for_each_pixel(part, [&](const Pixel& p) { (contains(rect_, p) ? inside : around).push_back(p); });
-      const auto trace_pixels = [&](const OfPacket<Pixel>& pixels, RenderedPixels& counted) {
-        if (pixels.empty()) return;
+      OfPacket<SampleId> inside, around;
+      for_each_pixel(part, [&](const Pixel& p) {
+        (contains(rect_, p) ? inside : around).push_back({p.x, p.y, 0});
+      });
+      const auto trace_pixels = [&](const OfPacket<SampleId>& ids, RenderedPixels& counted) {
+        if (ids.empty()) return;
         std::array<Color, kMostPacketRays> colors;
         std::array<double, kMostPacketRays> weights;
-        trace_sample(block, pixels.span(), 0, counted, colors.data(), weights.data());
-        for (size_t i = 0; i < pixels.size(); ++i) firsts[pixels[i]] = colors[i];
+        trace_samples(moment_of(block, 0), ids.span(), counted, colors.data(), weights.data());
+        for (size_t i = 0; i < ids.size(); ++i) firsts[{ids[i].x, ids[i].y}] = colors[i];
       };
       trace_pixels(inside, result_);
       trace_pixels(around, counted_elsewhere_);
@@ -326,62 +370,19 @@ class Renderer::Rendering {
   PixelRect rect_;
   const std::function<void()>& pulse_;
   double exposure_;
+  NoiseTarget noise_;
+  RenderPass pass_;
+  uint32_t end_;  ///< of the samples of the pass
   Film film_;
   size_t rays_since_pulse_ = 0;
   RenderedPixels result_;
   RenderedPixels counted_elsewhere_;  ///< for neighbours
 };
 
-Renderer::Renderer(const Scene& scene, const RenderSettings& settings)
-    : scene_(scene),
-      settings_(settings),
-      passes_(make_coloured_scenes(scene, settings)),
-      integrator_(make_integrator(settings.lighting)),
-      filter_(settings.filter),
-      moments_(scene) {
-  if (has_changing_links(scene)) powers_ = light_powers(scene);
-}
-
-void Renderer::set_zones(int frame, std::span<const std::byte> solution) {
-  zones_.clear();
-  zone_scene_ = std::make_unique<ZoneScene>(scene_, settings_, frame);
-  const std::vector<ZonePassSolution> solved =
-      decode_zone_solution(solution, zone_scene_->passes(), zone_scene_->slot_count());
-  for (size_t pass = 0; pass < solved.size(); ++pass)
-    zones_.emplace_back(*zone_scene_, pass, solved[pass], settings_.zones.view);
-}
-
-RenderedPixels Renderer::render(int frame, const PixelRect& rect, const std::function<void()>& pulse) {
+RenderedPixels Renderer::render(int frame, const PixelRect& rect, const std::function<void()>& pulse,
+                                const RenderPass& pass) {
   if (frame_ != frame) set_frame(frame);
-  return Rendering(*this, rect, pulse).run();
-}
-
-void Renderer::set_frame(int frame) {
-  frame_.reset();  // stays so if the frame can't be set up
-  now_ = moments_.at(frame, settings_);
-  if (has_changing_links(scene_)) {
-    const FrameLights lights = make_frame_lights(scene_, powers_, frame);
-    for (ColouredScene& pass : passes_) pass.set_lights(lights);
-  }
-  tables_.emplace(settings_, frame);
-  small_objects_.clear();
-  if (settings_.adaptive_contrast > 0)
-    small_objects_ =
-        find_small_objects(passes_.front().scene(), now_.front().pose, now_.front().camera, settings_.crop);
-  const Scene& shining = passes_.front().scene();
-  eye_items_.reset();
-  light_items_.reset();
-  if (settings_.item_buffer != ItemBuffer::none && has_one_eye(scene_, settings_))
-    eye_items_.emplace(scene_, now_.front().pose, now_.front().camera, settings_);
-  if (settings_.light_cells > 0 && !follows_paths(settings_.lighting) &&
-      settings_.self_hit == SelfHit::bound && now_.size() == 1)
-    light_items_.emplace(shining, now_.front().pose, settings_.light_cells);
-  eye_media_.clear();
-  if (settings_.self_hit == SelfHit::medium)
-    for (const Moment& moment : now_)
-      eye_media_.push_back(find_eye_media(
-          scene_, moment.pose, moment.camera.ray(0.5 * settings_.width_px, 0.5 * settings_.height_px)));
-  frame_ = frame;
+  return Rendering(*this, rect, pass, pulse).run();
 }
 
 }  // namespace rayfarm

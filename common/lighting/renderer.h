@@ -9,6 +9,7 @@
 #include "common/lighting/item_buffers.h"
 #include "common/lighting/media.h"
 #include "common/lighting/moments.h"
+#include "common/lighting/render_pass.h"
 #include "common/lighting/small_objects.h"
 #include "common/lighting/zones/zone_light.h"
 #include "common/sampling/pixel_filter.h"
@@ -24,6 +25,8 @@ struct RenderedPixels {
   RayCounts counts;
   uint64_t eye_hits = 0;    ///< eye rays that met an object, counted in the same way
   uint64_t not_finite = 0;  ///< pixels with a channel that is infinite or no number
+  /// What the next pass goes on from; empty after the last.
+  std::vector<std::byte> running;
 };
 
 /// Renders rectangles of a scene's frames, in any order, with one set of settings.
@@ -38,8 +41,10 @@ class Renderer {
   void set_zones(int frame, std::span<const std::byte> solution);
 
   /// `pulse` is called between rays, often; what it throws ends the work. Throws std::domain_error if the
-  /// frame has no such view or pose.
-  RenderedPixels render(int frame, const PixelRect& rect, const std::function<void()>& pulse);
+  /// frame has no such view or pose, std::runtime_error if the pass goes on from something else. Corner
+  /// sampling and adaptive sampling have one pass.
+  RenderedPixels render(int frame, const PixelRect& rect, const std::function<void()>& pulse,
+                        const RenderPass& pass = {});
 
  private:
   class Rendering;

@@ -109,6 +109,9 @@ struct RenderSettings {
   Subpixels subpixels;                  ///< other than one only where rays go through corners
   /// Pixels whose first samples differ by no more than this from their neighbours' get no others; 0: all do.
   double adaptive_contrast = 0;
+  /// A pixel gets no more samples when its mean's standard error on the display's range (0 to 1) is no
+  /// greater; 0: all samples are taken.
+  double noise = 0;
   /// Limits of each branch of the lighting tree, or of a path, by the kinds of its rays; diffuse ones count
   /// as reflected. "After about four or five reflections or about seven transparent objects there is little
   /// more" (thesis 2.3.4).
@@ -141,7 +144,7 @@ struct RenderSettings {
   void serialize(Archive& archive) {
     auto jitter = static_cast<uint8_t>(diffuse_jitter ? 1 : 0);  // a bool holds no other byte
     archive(width_px, height_px, crop, fit, lighting, colour, pixel_format, seed);
-    archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast, exposure_stops);
+    archive(sampling, samples, subpixels, filter, shutter, adaptive_contrast, noise, exposure_stops);
     archive(max_reflections, max_transmissions, max_depth, min_weight);
     archive(diffuse_rays, diffuse_reach, diffuse_contrast, jitter, diffuse_bands, diffuse_set);
     archive(reflected_rays, transmitted_rays, glass_shadows, ambient_colour);

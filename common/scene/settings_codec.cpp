@@ -36,7 +36,8 @@ void check_settings(const RenderSettings& settings) {
       !(std::abs(settings.exposure_stops) <= kMostExposure_stops) || !std::isfinite(settings.shutter) ||
       !std::isfinite(settings.diffuse_reach) || !std::isfinite(settings.diffuse_contrast) ||
       !(settings.min_weight >= 0) || !(settings.shutter >= 0) || !(settings.adaptive_contrast >= 0) ||
-      !(settings.diffuse_reach >= 0) || !(settings.diffuse_contrast >= 0))
+      !(settings.noise >= 0 && settings.noise <= 1) || !(settings.diffuse_reach >= 0) ||
+      !(settings.diffuse_contrast >= 0))
     throw SettingsError("a number among the settings is out of range");
   if (!(settings.item_radius_px >= kLeastItemRadius_px && settings.item_radius_px <= kMostItemRadius_px))
     throw SettingsError(fmt::format("corners tell of samples {:g} to {:g} pixels away (--item-radius)",

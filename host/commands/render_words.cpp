@@ -5,13 +5,13 @@
 #include <charconv>
 #include <filesystem>
 
-#include "common/sampling/sampler.h"
 #include "common/scene/settings_codec.h"
 #include "host/commands/colour_option.h"
 #include "host/commands/hierarchy_options.h"
 #include "host/commands/job_options.h"
 #include "host/commands/load_options.h"
 #include "host/commands/net_options.h"
+#include "host/commands/render_checks.h"
 #include "host/commands/zone_options.h"
 #include "host/render/output_pattern.h"
 
@@ -103,6 +103,10 @@ void add_picture(Options& options, RenderOptions& o) {
       "--pixel-format", o.pixel_format,
       {{"rgb8", PixelFormat::rgb8}, {"half", PixelFormat::half_float}, {"float", PixelFormat::float32}},
       "of pixels on the net and in the frame buffer (default: what the file holds: PNG rgb8, EXR half)");
+  options.number(
+      "--passes", o.passes, 1, PicturesPhase::kMostPasses,
+      "the samples come in so many passes, after each of which the output file is a whole picture with the "
+      "samples until then; the last is what one pass would give (default: 1)");
   options.flag("--skip-existing", o.skip_existing,
                "leave out frames whose file is there, whole, and of this scene and these settings");
   options.flag(
@@ -182,6 +186,12 @@ void add_sampling(Options& options, RenderOptions& o) {
   options.number("--adaptive", o.settings.adaptive_contrast, 0, 1e6,
                  "trace all samples only in pixels whose first sample differs by more than this from a "
                  "neighbour's (default: 0, in all); not with --lighting path");
+  options
+      .number("--noise", o.settings.noise, 0, 1,
+              "a pixel gets no more samples when the standard error of its mean, in parts of the display's "
+              "range from black to white, is no greater: 0.01 is 2.5 of 255 (default: 0, all get --samples); "
+              "where light is found by chance, and with a lens or a shutter")
+      .takes("E");
   options.choice<SamplingPattern>("--sampling", o.settings.sampling,
                                   {{"corners", SamplingPattern::corners},
                                    {"jittered", SamplingPattern::jittered},
@@ -301,40 +311,6 @@ void add_messages(Options& options, RenderOptions& o) {
       "--report", o.is_full_report, {{"full", true}, {"short", false}},
       "what is said at the end: ten lines, or all that an experimenter asks (default: short)");
   add_quiet_options(options, o);
-}
-
-/// Options that exclude each other.
-void check_combinations(const RenderOptions& o) {
-  const RenderSettings& s = o.settings;
-  if (s.sampling == SamplingPattern::poisson && s.samples > Sampler::kMostPoissonSamples)
-    throw UsageError(fmt::format("--sampling poisson lays out at most {} samples; use sobol for more",
-                                 Sampler::kMostPoissonSamples));
-  if (s.sampling == SamplingPattern::corners && s.filter != FilterKind::box)
-    throw UsageError("--sampling corners weighs all rays that touch a pixel alike; leave --filter at box");
-  if (s.sampling == SamplingPattern::corners && s.shutter > 0)
-    throw UsageError("--sampling corners takes one ray per corner, too few for --shutter");
-  if (s.sampling == SamplingPattern::corners && s.samples != 1)
-    throw UsageError(
-        "--sampling corners takes one ray per corner; leave --samples at 1, and cut pixels with --subpixels "
-        "for more");
-  if (o.subpixels && s.sampling != SamplingPattern::corners)
-    throw UsageError(
-        "--subpixels are cut to send rays through their corners: give --sampling corners, too; other "
-        "patterns take --samples");
-  if (s.adaptive_contrast > 0 && s.sampling == SamplingPattern::corners)
-    throw UsageError(
-        "--adaptive adds samples to pixels, and --sampling corners takes none; leave one of them out");
-  if (s.adaptive_contrast > 0 && s.samples < 2)
-    throw UsageError("--adaptive chooses where more than one sample is taken; set --samples");
-  if (s.adaptive_contrast > 0 && follows_paths(s.lighting))
-    throw UsageError(
-        "--adaptive compares the first samples of neighbouring pixels, which differ everywhere where "
-        "light is found by chance: it suits phong, torrance-sparrow, whitted and thesis, not path, radiosity "
-        "and zonal");
-  if (!o.time_factors.empty() && !(o.ray_time_s > 0))
-    throw UsageError("--processor-times are factors on --processor-time; give that, too");
-  if (o.wire == Wire::pixel && o.pixel_format && *o.pixel_format != PixelFormat::rgb8)
-    throw UsageError("--wire pixel carries three bytes of colour; use --pixel-format rgb8 or --wire block");
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResu
       assignment_(assignment_options(options), listening_.turn(now_s())),
       pictures_(transport, options, result, tell_, assignment_),
       zones_(transport, options.plan, result, assignment_),
-      progress_(options.progress,
-                static_cast<uint64_t>(options.image.window.area()) * options.plan.pictures.frames.size()) {
+      progress_(options.progress, static_cast<uint64_t>(options.image.window.area()) *
+                                      static_cast<uint64_t>(options.plan.pictures.steps())) {
   for (Watcher* const watcher : options_.watchers) watcher->begin({options_.image, options_.files});
 }
 
@@ -40,7 +40,7 @@ void FarmHost::run() {
   const double begin = now_s(), cpu_begin = cpu_s();
   result_.times.trace_began_unix_s = unix_s();
   std::vector<FrameGroup> groups = options_.groups;
-  if (groups.empty()) groups = {{FrameIndex(0), options_.plan.pictures.steps()}};
+  if (groups.empty()) groups = {{FrameIndex(0), static_cast<int>(options_.plan.pictures.frames.size())}};
   for (const FrameGroup& group : groups) {
     std::optional<Bytes> solution = options_.zones.make_solver ? solve_zones(group) : Bytes();
     if (!solution) break;

@@ -43,11 +43,18 @@ struct JournalsOfJob {
   std::map<FrameIndex, JournalHead> found;
 };
 
+/// Of frames that come in passes, as many as the plan's pictures have.
+struct PassesOfJob {
+  uint32_t samples = 1;      ///< of a pixel, in all passes
+  size_t running_bytes = 0;  ///< of a pixel, between two passes
+};
+
 struct FarmHostOptions {
   JobPlan plan;
   std::vector<FrameGroup> groups;  ///< all frames of the plan's pictures, in order; empty: they are one group
   ZonesOfJob zones;
   JournalsOfJob journals;
+  PassesOfJob passes;
   Image image;                                    ///< size, window and format of every frame; no pixels
   std::map<std::string, std::string> attributes;  ///< of every file
   std::vector<std::string> files;                 ///< one per frame of the pictures

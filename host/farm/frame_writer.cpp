@@ -47,6 +47,7 @@ void FrameWriter::run() {
     const auto begin = std::chrono::steady_clock::now();
     Written written;
     written.frame = job.frame;
+    written.is_last_pass = job.is_last_pass;
     try {
       written.sha256 = sha256(job.image.pixels);
       written.is_black = std::all_of(job.image.pixels.begin(), job.image.pixels.end(),

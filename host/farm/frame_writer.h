@@ -20,9 +20,11 @@ class FrameWriter {
     std::string path;
     Image image;
     std::map<std::string, std::string> attributes;
+    bool is_last_pass = true;  ///< the frame is whole with it
   };
   struct Written {
     FrameIndex frame;
+    bool is_last_pass = true;
     std::string problem;    ///< empty: the file is in place
     std::string sha256;     ///< of the pixels' bytes
     bool is_black = false;  ///< all bytes are 0

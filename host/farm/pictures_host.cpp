@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "common/lighting/render_pass.h"
 #include "host/farm/preview.h"
 #include "protocol/block_codec.h"
 
@@ -32,7 +33,7 @@ PicturesHost::PicturesHost(Transport& transport, const FarmHostOptions& options,
       pixels_of_node_(static_cast<size_t>(options.plan.processors) + 1),
       step_of_node_(pixels_of_node_.size()) {
   const PicturesPhase& all = options.plan.pictures;
-  for (FrameIndex i; i.value() < all.steps(); ++i) {
+  for (FrameIndex i; i.place() < all.frames.size(); ++i) {
     FrameResult frame;
     frame.frame = all.frames[i.place()];
     index_of_frame_[frame.frame] = i;
@@ -46,14 +47,9 @@ void PicturesHost::begin(const FrameGroup& group) {
                     {0, PhaseKind::pictures, group.first.value(), static_cast<uint64_t>(group.count), 1, 0});
   is_at_work_ = true;
   std::fill(step_of_node_.begin(), step_of_node_.end(), std::nullopt);
-  has_resumed_ = false;
+  resumed_.clear();
   for (const auto& [frame, head] : options_.journals.found)
     if (frame >= group.first && frame.value() < group.first.value() + group.count) resume(frame, head);
-}
-
-bool PicturesHost::is_there(ItemIndex item) const {
-  const std::vector<bool>& there = frames_[of_job(pictures().frame_of(item)).place()].is_there;
-  return !there.empty() && there[pictures().subpolygon_of(item).place()];
 }
 
 void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
@@ -61,21 +57,21 @@ void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
   begin_frame(frame);
   const uint64_t end = read_journal(path, head, [&](std::span<const std::byte> record) {
     try {
-      const BlockResult block = decode_block(record);
+      BlockResult block = decode_block(record);
       check(block.report);
-      const std::optional<ItemIndex> item = item_of(block.report);
-      if (!item || of_job(pictures().frame_of(*item)) != frame || is_there(*item)) return;
+      const std::optional<ItemIndex> item = item_of(block.report, block.pass);
+      if (!item || of_job(pictures().step_of(*item)) != frame || resumed_.contains(*item)) return;
       const Bytes unpacked = block.is_compressed ? pixels_of(block) : Bytes();
-      const auto pixels = block.is_compressed ? std::span<const std::byte>(unpacked) : block.pixels;
-      check_size(block.report, pixels);
-      store(block.report, pixels);
-      show(NodeId(), block.report, pixels);
+      if (block.is_compressed) block.pixels = unpacked;
+      check_size(block);
+      store(block);
+      resumed_.insert(*item);
+      show(NodeId(), block);
     } catch (const ProtocolError&) {  // whole, but no result of this frame: it is traced again
     }
   });
   result_.pixels_resumed += static_cast<uint64_t>(frames_[frame.place()].pixels_there);
   result_.frames[frame.place()].is_resumed = frames_[frame.place()].pixels_there > 0;
-  has_resumed_ = true;
   journal_.go_on(path, end);
 }
 
@@ -83,30 +79,69 @@ PhaseWork PicturesHost::work() const {
   PhaseWork work;
   work.steps = pictures().steps();
   work.items_per_step = pictures().items_per_step();
-  work.window_steps = options_.window_frames;
-  if (has_resumed_) work.is_done = [this](ItemIndex item) { return is_there(item); };
+  const bool has_passes = pictures().passes > 1;
+  // A pass goes on from the whole of the one before.
+  work.window_steps = has_passes ? 1 : options_.window_frames;
+  if (!resumed_.empty() || has_passes)
+    work.is_done = [this](ItemIndex item) {
+      // Of a frame that failed in an earlier pass there is nothing to go on from.
+      return resumed_.contains(item) ||
+             !result_.frames[of_job(pictures().step_of(item)).place()].problem.empty();
+    };
   if (options_.plan.policy == AssignmentPolicy::interleaved)
     work.owner_of = [this](ItemIndex item) { return owner_of(options_.plan, pictures(), item); };
   return work;
 }
 
 void PicturesHost::assign(const AssignItem& assign) {
-  const StepIndex step = pictures().frame_of(assign.item);
+  const StepIndex step = pictures().step_of(assign.item);
   std::optional<StepIndex>& selected = step_of_node_[assign.node.place()];
   if (selected != step) transport_.send(assign.node, SelectStep{step});
   selected = step;
+  if (pictures().pass_of(step) > 0)
+    transport_.send(
+        assign.node,
+        GoOnFrom{frames_[of_job(step).place()].running[pictures().subpolygon_of(assign.item).place()]});
   transport_.send(assign.node, Channel::command,
                   encode_display_polygon(processor_of(assign.node), pictures().polygon_of(assign.item)));
 }
 
 std::string PicturesHost::name_of(ItemIndex item) const {
-  return fmt::format("subpolygon {} of frame {}", pictures().subpolygon_of(item).value(),
-                     pictures().number_of(item).value());
+  return fmt::format("subpolygon {} of frame {}{}", pictures().subpolygon_of(item).value(),
+                     pictures().number_of(item).value(),
+                     pictures().passes > 1
+                         ? fmt::format(" in pass {}", pictures().pass_of(pictures().step_of(item)) + 1)
+                         : "");
 }
 
-void PicturesHost::complete(StepIndex step, double) {
+void PicturesHost::write_pass(StepIndex step) {
+  const FrameIndex frame = of_job(step);
+  FrameBuffer& buffer = frames_[frame.place()];
+  // A disk slower than the nodes gets the picture of a later pass in place of this one.
+  if (std::exchange(buffer.is_pass_in_writing, true)) return;
+  const int pass = pictures().pass_of(step), passes = pictures().passes;
+  FrameWriter::Job job{frame, options_.files[frame.place()], options_.image, options_.attributes, false};
+  job.image.pixels = buffer.pixels;
+  job.attributes["rayfarm/frame"] = fmt::format("{}", result_.frames[frame.place()].frame.value());
+  job.attributes["rayfarm/pass"] = fmt::format("{} of {}", pass + 1, passes);
+  const RenderPass of_samples{static_cast<uint32_t>(pass), static_cast<uint32_t>(passes), {}};
+  job.attributes["rayfarm/samples"] = fmt::format("{}", of_samples.end(options_.passes.samples));
+  writer_.submit(std::move(job));
+}
+
+void PicturesHost::complete(StepIndex step, double now) {
   const FrameIndex frame = of_job(step);
   const size_t i = frame.place();
+  if (!result_.frames[i].problem.empty()) {  // failed in an earlier pass
+    assignment_.release(step, now);
+    return;
+  }
+  if (!is_last_pass(step)) {
+    write_pass(step);
+    assignment_.release(step, now);
+    return;
+  }
+  frames_[i].running = {};
   FrameWriter::Job job{frame, options_.files[i], options_.image, options_.attributes};
   job.image.pixels = std::move(frames_[i].pixels);
   job.attributes["rayfarm/frame"] = fmt::format("{}", result_.frames[i].frame.value());
@@ -118,6 +153,7 @@ void PicturesHost::fail(const StepFailed& failed, double now) {
   const size_t i = of_job(failed.step).place();
   FrameResult& frame = result_.frames[i];
   frames_[i].pixels = {};
+  frames_[i].running = {};
   frame.problem = fmt::format("a subpolygon failed three times: {}", failed.problem);
   tell_(fmt::format("frame {} failed: {}", frame.frame.value(), frame.problem));
   assignment_.release(failed.step, now);
@@ -134,10 +170,11 @@ void PicturesHost::check(const SubpolygonReport& report) const {
     throw ProtocolError("a subpolygon that does not exist");
 }
 
-std::optional<ItemIndex> PicturesHost::item_of(const SubpolygonReport& report) const {
-  const int step = index_of_frame_.at(report.frame).value() - pictures().first.value();
-  if (step < 0 || step >= pictures().steps()) return std::nullopt;
-  return pictures().item_of(FrameIndex(step), report.subpolygon);
+std::optional<ItemIndex> PicturesHost::item_of(const SubpolygonReport& report, int pass) const {
+  const int frame = index_of_frame_.at(report.frame).value() - pictures().first.value();
+  if (frame < 0 || static_cast<size_t>(frame) >= pictures().frames.size() || pass >= pictures().passes)
+    return std::nullopt;
+  return pictures().item_of(pictures().step_of(FrameIndex(frame), pass), report.subpolygon);
 }
 
 Bytes PicturesHost::pixels_of(const BlockResult& block) const {
@@ -146,12 +183,13 @@ Bytes PicturesHost::pixels_of(const BlockResult& block) const {
 }
 
 void PicturesHost::receive_block(NodeId node, std::span<const std::byte> bytes, double now) {
-  const BlockResult block = decode_block(bytes);
+  BlockResult block = decode_block(bytes);
   check(block.report);
-  const bool is_news = block.is_compressed
-                           ? keep_result(node, block.report, pixels_of(block), block.pixels.size(), now)
-                           : keep_result(node, block.report, block.pixels, block.pixels.size(), now);
-  if (is_news) journal_.append(journal_of(file_of(block.report.frame)), bytes);
+  const size_t pixel_bytes = block.pixels.size();
+  const Bytes unpacked = block.is_compressed ? pixels_of(block) : Bytes();
+  if (block.is_compressed) block.pixels = unpacked;
+  if (keep_result(node, block, pixel_bytes, now))
+    journal_.append(journal_of(file_of(block.report.frame)), bytes);
 }
 
 void PicturesHost::receive_pixels(NodeId node, std::span<const std::byte> bytes) {
@@ -179,27 +217,31 @@ void PicturesHost::end_of_pixels(NodeId node, const SubpolygonReport& report, do
     seen[i] = true;
     for (size_t c = 0; c < 3; ++c) block[3 * i + c] = static_cast<std::byte>(pixel.rgb[c]);
   }
-  if (keep_result(node, report, block, kPixelBytes * pixels.size(), now) && journal_.keeps_any())
+  if (keep_result(node, {report, false, block}, kPixelBytes * pixels.size(), now) && journal_.keeps_any())
     journal_.append(journal_of(file_of(report.frame)),
                     encode_block(processor_of(node), {report, false, block}));
 }
 
-void PicturesHost::check_size(const SubpolygonReport& report, std::span<const std::byte> pixels) const {
-  const DisplayPolygon p = pictures().grid.polygon(report.subpolygon);
-  if (pixels.size() != area_of(p) * options_.image.layout.bytes)
+void PicturesHost::check_size(const BlockResult& result) const {
+  const size_t area = area_of(pictures().grid.polygon(result.report.subpolygon));
+  const int passes = pictures().passes;
+  if (result.pixels.size() != area * options_.image.layout.bytes)
     throw ProtocolError("a block of another size than its subpolygon");
+  if (result.pass >= passes) throw ProtocolError("a pass that was not asked for");
+  if (result.running.size() != (result.pass + 1 < passes ? area * options_.passes.running_bytes : 0))
+    throw ProtocolError("a block with more or less to go on from than its pass");
 }
 
-bool PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std::span<const std::byte> pixels,
-                               size_t bytes, double now) {
+bool PicturesHost::keep_result(NodeId node, const BlockResult& result, size_t bytes, double now) {
+  const SubpolygonReport& report = result.report;
   check(report);
-  check_size(report, pixels);
+  check_size(result);
   NodeResult& node_result = result_.node(node);
   ++node_result.subpolygons;
   node_result.rays += RayCounts{report.rays, report.ray_tallies}.total();
   node_result.busy_s += static_cast<double>(report.busy_us) * 1e-6;
   result_.pixels_received += area_of(pictures().grid.polygon(report.subpolygon));
-  const std::optional<ItemIndex> item = is_at_work_ ? item_of(report) : std::nullopt;
+  const std::optional<ItemIndex> item = is_at_work_ ? item_of(report, result.pass) : std::nullopt;
   if (!item || !assignment_.accept(node, *item, now)) {
     ++result_.duplicates;
     return false;
@@ -213,9 +255,9 @@ bool PicturesHost::keep_result(NodeId node, const SubpolygonReport& report, std:
     lines.emplace_back("rows", fmt::format("{}", pictures().grid.rows));
     journal_.begin(journal_of(file_of(report.frame)), std::move(lines));
   }
-  store(report, pixels);
+  store(result);
   result_.rays += RayCounts{report.rays, report.ray_tallies};
-  show(node, report, pixels);
+  show(node, result);
   FrameResult& frame_result = result_.frames[frame.place()];
   const auto subpolygons = static_cast<size_t>(pictures().items_per_step());
   if (options_.keeps_traced_by) {
@@ -233,9 +275,11 @@ void PicturesHost::begin_frame(FrameIndex frame) {
   FrameBuffer& buffer = frames_[frame.place()];
   buffer.pixels.resize(static_cast<size_t>(options_.image.window.area()) * options_.image.layout.bytes);
   buffer.is_there.resize(static_cast<size_t>(pictures().items_per_step()));
+  if (pictures().passes > 1) buffer.running.resize(buffer.is_there.size());
 }
 
-void PicturesHost::store(const SubpolygonReport& report, std::span<const std::byte> pixels) {
+void PicturesHost::store(const BlockResult& result) {
+  const SubpolygonReport& report = result.report;
   const DisplayPolygon p = pictures().grid.polygon(report.subpolygon);
   const PixelRect& window = options_.image.window;
   const size_t pixel_bytes = options_.image.layout.bytes;
@@ -245,22 +289,24 @@ void PicturesHost::store(const SubpolygonReport& report, std::span<const std::by
   for (int y = p.top; y <= p.bottom; ++y)
     std::memcpy(frame.pixels.data() + static_cast<size_t>(y - window.y0) * row_bytes +
                     static_cast<size_t>(p.left - window.x0) * pixel_bytes,
-                pixels.data() + static_cast<size_t>(y - p.top) * own_row_bytes, own_row_bytes);
+                result.pixels.data() + static_cast<size_t>(y - p.top) * own_row_bytes, own_row_bytes);
   frame.is_there[report.subpolygon.place()] = true;
+  if (!frame.running.empty())
+    frame.running[report.subpolygon.place()].assign(result.running.begin(), result.running.end());
   frame.pixels_there += static_cast<int64_t>(area_of(p));
   const RayCounts rays{report.rays, report.ray_tallies};
   FrameResult& frame_result = result_.frames[index_of_frame_.at(report.frame).place()];
   frame_result.sees_anything |= report.sees_anything;
-  frame_result.not_finite += report.not_finite;
+  if (result.pass + 1 == pictures().passes) frame_result.not_finite += report.not_finite;
   frame_result.rays += rays;
   result_.pixels_kept += area_of(p);
 }
 
-void PicturesHost::show(NodeId node, const SubpolygonReport& report,
-                        std::span<const std::byte> pixels) const {
+void PicturesHost::show(NodeId node, const BlockResult& result) const {
+  const SubpolygonReport& report = result.report;
   for (Watcher* const watcher : options_.watchers)
     watcher->see({index_of_frame_.at(report.frame), report.frame, node,
-                  pictures().grid.polygon(report.subpolygon), pixels});
+                  pictures().grid.polygon(report.subpolygon), result.pixels});
 }
 
 void PicturesHost::tell_what_is_odd(const FrameResult& frame) const {
@@ -288,6 +334,14 @@ void PicturesHost::tell_what_is_odd(const FrameResult& frame) const {
 void PicturesHost::take_written(double now) {
   while (const auto written = writer_.try_take()) {
     FrameResult& frame = result_.frames[written->frame.place()];
+    if (!written->is_last_pass) {
+      frames_[written->frame.place()].is_pass_in_writing = false;
+      result_.times.write_s += written->seconds;
+      if (!written->problem.empty())
+        tell_(fmt::format("frame {}: a pass's picture could not be written: {}", frame.frame.value(),
+                          written->problem));
+      continue;
+    }
     frame.problem = written->problem;
     frame.sha256 = written->sha256;
     frame.is_written = written->problem.empty();
@@ -298,7 +352,8 @@ void PicturesHost::take_written(double now) {
       tell_(fmt::format("frame {} failed: {}", frame.frame.value(), written->problem));
     tell_what_is_odd(frame);
     // None of an earlier phase is left: that was over when all were written.
-    assignment_.release(StepIndex(written->frame.value() - pictures().first.value()), now);
+    const FrameIndex of_phase(written->frame.value() - pictures().first.value());
+    assignment_.release(pictures().step_of(of_phase, pictures().passes - 1), now);
   }
   for (const std::string& problem : journal_.take_problems()) tell_(problem);
 }
@@ -316,11 +371,11 @@ void PicturesHost::tell_of_unfinished(bool with_previews) {
     const FrameBuffer& frame = frames_[i.place()];
     const FrameResult& of = result_.frames[i.place()];
     if (frame.is_there.empty() || of.is_written) continue;
-    UnfinishedFrame unfinished{
-        of.frame,
-        static_cast<double>(frame.pixels_there) / static_cast<double>(options_.image.window.area()),
-        journal_.keeps_any() ? journal_of(of.file) : "",
-        {}};
+    UnfinishedFrame unfinished{of.frame,
+                               static_cast<double>(frame.pixels_there) /
+                                   static_cast<double>(options_.image.window.area() * pictures().passes),
+                               journal_.keeps_any() ? journal_of(of.file) : "",
+                               {}};
     if (with_previews && !frame.pixels.empty()) {
       const std::string path = preview_of(of.file);
       try {

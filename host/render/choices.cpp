@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/lighting/item_buffers.h"
+#include "common/lighting/running_pixel.h"
 #include "common/lighting/self_hits.h"
 #include "common/lighting/zones/zone_shapes.h"
 #include "common/materials/scattering.h"
@@ -57,12 +58,19 @@ RenderSettings choose_settings(const RenderOptions& options, const SceneDescript
   return s;
 }
 
-int choose_window(const RenderSettings& settings, size_t frames, int subpolygons, size_t other_bytes) {
+size_t running_bytes_of(const RenderSettings& settings) {
+  return bytes_of_running(settings.noise > 0);
+}
+
+int choose_window(const RenderSettings& settings, size_t frames, int subpolygons, size_t other_bytes,
+                  int passes) {
   constexpr int kMostFrames = 3;
   constexpr double kShare = 0.9;           // of what is free: files are written through buffers
   constexpr double kSubpolygonBytes = 64;  // of the assignment, and of who traced it
-  const double frame_bytes = static_cast<double>(settings.crop.area()) *
-                                 static_cast<double>(make_pixel_layout(settings.pixel_format).bytes) +
+  // A pass's picture is kept until it is written, and what the next goes on from.
+  const size_t layout_bytes = make_pixel_layout(settings.pixel_format).bytes,
+               pixel_bytes = passes == 1 ? layout_bytes : 2 * layout_bytes + running_bytes_of(settings);
+  const double frame_bytes = static_cast<double>(settings.crop.area()) * static_cast<double>(pixel_bytes) +
                              kSubpolygonBytes * subpolygons;
   const uint64_t free_bytes = available_memory_bytes();
   const auto available = static_cast<double>(free_bytes - std::min<uint64_t>(other_bytes, free_bytes));
@@ -88,11 +96,12 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   plan.compresses = options.compresses && layout.is_rgb8();
   plan.processors = processors;
   plan.settings = encode_settings(settings);
-  const size_t pixel_bytes = options.wire == Wire::pixel ? kPixelBytes : layout.bytes;
+  const size_t running_bytes = options.passes > 1 ? running_bytes_of(settings) : 0;
+  const size_t pixel_bytes = options.wire == Wire::pixel ? kPixelBytes : layout.bytes + running_bytes;
   const SubpolygonGrid grid = make_grid(
       settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
       options.subpolygons_per_processor, options.least_side(), kMostSubpolygonBytes / pixel_bytes);
-  plan.pictures = {std::move(frames), grid, {}};
+  plan.pictures = {std::move(frames), grid, {}, options.passes};
   plan.sets = options.sets;
   plan.rotates = options.rotates;
   plan.ray_time_s = options.ray_time_s;
@@ -115,10 +124,6 @@ namespace {
 bool has_lighting_tree(LightingModel model) {
   return model == LightingModel::whitted || model == LightingModel::thesis;
 }
-}  // namespace
-
-namespace {
-
 void name_idle_zone_options(const RenderSettings& s, std::vector<std::string>& notes) {
   const ZoneSettings &zones = s.zones, usual;
   if (!has_zones(s.lighting)) {
@@ -190,6 +195,16 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
       (s.lighting == LightingModel::thesis || follows_paths(s.lighting)))
     notes.emplace_back(
         "--ambient-colour belongs to --lighting phong, torrance-sparrow and whitted, and does nothing here");
+  if (options.passes > 1 && s.sampling != SamplingPattern::sobol)
+    notes.emplace_back(
+        "--passes: of other patterns than --sampling sobol the first samples lie in a part of each pixel, "
+        "and "
+        "so pictures before the last are off by less than a pixel");
+  if (s.noise > 0 && !follows_paths(s.lighting) && s.shutter == 0)
+    notes.emplace_back(fmt::format(
+        "--noise takes {} samples of every pixel at least, which pays where light is found by chance or eyes "
+        "have a lens; for edges alone --adaptive needs one",
+        NoiseTarget::kBatch));
   if (options.policy == AssignmentPolicy::on_demand && !options.rotates)
     notes.emplace_back("--no-rotation belongs to --assign interleaved, and does nothing here");
   if (options.policy == AssignmentPolicy::on_demand && options.sets != SetPattern::lattice)

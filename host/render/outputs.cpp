@@ -120,6 +120,8 @@ std::string why_not_finished(const std::string& file, const RenderSettings& sett
       if (value.empty()) return "does not say how it was rendered";
       if (value != attributes.at(name)) return fmt::format("is of {}", another);
     }
+    if (const std::string pass = attribute("rayfarm/pass"); !pass.empty())
+      return fmt::format("is of pass {}, and not finished", pass);
     if (attribute("rayfarm/frame") != fmt::format("{}", frame.value())) return "is of another frame";
     check_image_whole(file);
   } catch (const IoError& e) {

@@ -233,6 +233,8 @@ class Render {
     farm_options.attributes = make_attributes(settings, loaded_->compiled.block.bytes());
     farm_options.journals.every_s = options_.bake ? 0 : options_.journal_every_s;
     farm_options.journals.lines = journal_lines(settings, farm_options.attributes);
+    farm_options.journals.lines.emplace_back("--passes", fmt::format("{}", options_.passes));
+    farm_options.passes = {settings.samples, running_bytes_of(settings)};
     std::vector<FrameNumber> frames;
     for (Picture& picture : choose_pictures(settings, farm_options.attributes, farm_options.journals.lines)) {
       if (picture.journal)
@@ -256,7 +258,8 @@ class Render {
             ? 1
             : choose_window(
                   settings, frames.size(), grid.count(),
-                  farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size);  // the machine's copy
+                  farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size,  // the machine's copy
+                  options_.passes);
     if (!options_.bake && options_.wire == Wire::pixel &&
         natural_format(options_.output) != PixelFormat::rgb8)
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");

@@ -29,6 +29,7 @@ std::vector<std::pair<std::string, std::string>> lines_of(const RenderSettings& 
   add("--filter", s.filter);
   add("--shutter", s.shutter);
   add("--adaptive", s.adaptive_contrast);
+  add("--noise", s.noise);
   add("--max-depth", s.max_depth);
   add("--max-reflections", s.max_reflections);
   add("--max-transmissions", s.max_transmissions);

@@ -78,6 +78,7 @@ RenderSettings settings_of_zones(const RenderSettings& settings) {
   s.exposure_stops = usual.exposure_stops;
   s.shutter = usual.shutter;
   s.adaptive_contrast = usual.adaptive_contrast;
+  s.noise = usual.noise;
   s.diffuse_rays = usual.diffuse_rays;
   s.diffuse_reach = usual.diffuse_reach;
   s.diffuse_contrast = usual.diffuse_contrast;

@@ -21,11 +21,13 @@ std::vector<std::string> message_seeds() {
        {Control(Hello{"machine", 7, "build"}), Control(Alive{}), Control(SelectStep{StepIndex(3)}),
         Control(OpenSteps{StepIndex(4)}), Control(SubpolygonDone{report}),
         Control(ItemFailed{1, ItemIndex(2), "no"}), Control(NodeFailed{"no"}), Control(EndProcess{9}),
-        Control(Finish{true}), Control(BeginPhase{3, PhaseKind::zones, 2, 1000, 7, 4096})})
+        Control(Finish{true}), Control(BeginPhase{3, PhaseKind::zones, 2, 1000, 7, 4096}),
+        Control(GoOnFrom{Bytes(24)})})
     seeds.push_back(words_of(encode_control(c)));
   seeds.push_back(words_of(encode_display_polygon(3, {0, 0, 7, 7})));
   const Bytes pixels = compress_rgb8(Bytes(3 * 8 * 8), 8, 8);
   seeds.push_back(words_of(encode_block(3, {report, true, pixels})));
+  seeds.push_back(words_of(encode_block(3, {report, true, pixels, 2, Bytes(24 * 8 * 8)})));
   seeds.push_back(words_of(encode_unit_range(3, {70'000, 140'000})));
   const Bytes sums = *compress_bytes(Bytes(640));
   seeds.push_back(words_of(

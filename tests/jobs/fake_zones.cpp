@@ -44,9 +44,9 @@ class ShowingPictures : public PictureWorker {
  public:
   explicit ShowingPictures(std::unique_ptr<PictureWorker> pictures) : pictures_(std::move(pictures)) {}
   void set_zones(std::span<const std::byte> solution) override { digest_ = test::digest(solution); }
-  ItemResult work(FrameNumber frame, const DisplayPolygon& polygon,
+  ItemResult work(FrameNumber frame, const DisplayPolygon& polygon, const RenderPass& pass,
                   const std::function<void()>& pulse) override {
-    ItemResult result = pictures_->work(frame, polygon, pulse);
+    ItemResult result = pictures_->work(frame, polygon, pass, pulse);
     for (std::byte& b : result.bytes) b ^= static_cast<std::byte>(digest_);
     return result;
   }

@@ -17,7 +17,8 @@ class Painter : public PictureWorker {
  public:
   explicit Painter(std::function<bool(int frame, const DisplayPolygon&)> fails) : fails_(std::move(fails)) {}
   void set_zones(std::span<const std::byte>) override { FAIL() << "there are none"; }
-  ItemResult work(FrameNumber number, const DisplayPolygon& p, const std::function<void()>& pulse) override {
+  ItemResult work(FrameNumber number, const DisplayPolygon& p, const RenderPass&,
+                  const std::function<void()>& pulse) override {
     const int frame = number.value();
     if (fails_(frame, p)) throw std::runtime_error("the tracer's own error");
     ItemResult painted;

@@ -51,6 +51,15 @@ TEST(Messages, ThereAndBack) {
   EXPECT_EQ(back.report.busy_us, 123456u);
   EXPECT_TRUE(back.is_compressed);
   EXPECT_EQ(Bytes(back.pixels.begin(), back.pixels.end()), pixels);
+  EXPECT_TRUE(back.running.empty());
+  const Bytes running(48, std::byte{5});
+  const Bytes of_pass = encode_block(9, {report, false, pixels, 2, running});
+  const BlockResult pass_back = decode_block(of_pass);
+  EXPECT_EQ(pass_back.pass, 2);
+  EXPECT_EQ(Bytes(pass_back.pixels.begin(), pass_back.pixels.end()), pixels);
+  EXPECT_EQ(Bytes(pass_back.running.begin(), pass_back.running.end()), running);
+  EXPECT_THROW(decode_block(std::span(of_pass).first(of_pass.size() - running.size() - 1)), ProtocolError);
+  EXPECT_EQ(std::get<GoOnFrom>(decode_control(encode_control(GoOnFrom{running}))).running, running);
   const Control hello = decode_control(encode_control(Hello{"machine", 42, "build"}));
   EXPECT_EQ(std::get<Hello>(hello).machine, "machine");
   EXPECT_EQ(std::get<Hello>(hello).pid, 42u);
@@ -80,6 +89,12 @@ TEST(Messages, ThereAndBack) {
   EXPECT_NEAR(plan_back.ray_time_s, 0.00025, 1e-12);
   EXPECT_EQ(plan_back.time_factors, plan.time_factors);
   EXPECT_EQ(plan_back.wire, Wire::pixel);
+  EXPECT_EQ(plan_back.pictures.passes, 1);
+  plan.pictures.passes = 4;
+  EXPECT_THROW(decode_plan(encode_plan(plan)), ProtocolError) << "pixels alone tell nothing to go on from";
+  plan.wire = Wire::block;
+  EXPECT_EQ(decode_plan(encode_plan(plan)).pictures.passes, 4);
+  EXPECT_EQ(beginning_of(plan.pictures, 0, 0).units, 3u) << "of frames, not of their passes";
   EXPECT_EQ(plan_back.pictures.grid.columns, plan.pictures.grid.columns);
   EXPECT_EQ(plan_back.settings, payload);
 }

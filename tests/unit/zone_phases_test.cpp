@@ -34,7 +34,8 @@ class Listener : public PictureWorker {
   void set_zones(std::span<const std::byte> solution) override {
     given_.emplace_back(solution.begin(), solution.end());
   }
-  ItemResult work(FrameNumber, const DisplayPolygon& p, const std::function<void()>&) override {
+  ItemResult work(FrameNumber, const DisplayPolygon& p, const RenderPass&,
+                  const std::function<void()>&) override {
     ItemResult result;
     result.bytes =
         Bytes(static_cast<size_t>(3 * (p.right - p.left + 1) * (p.bottom - p.top + 1)), std::byte{9});
