@@ -78,15 +78,15 @@ TEST(ReadProgress, IsJsonForPrograms) {
   Progress progress(ProgressStyle::json, 4000);
   progress.show_bytes("sending", 1.5, 1'000'000, 4'000'000);
   progress.show(2.0, 1, 0, 1, 1, 2);  // too soon
-  progress.show(3.0, 1000, 500, 9000, 250, 2);
-  progress.show(3.5, 4000, 500, 9000, 1750, 2, true);
+  progress.show(3.0, 2500, 1000, 9000, 750, 2);
+  progress.show(3.5, 4000, 1000, 9000, 1500, 2, true);
   EXPECT_EQ(
       testing::internal::GetCapturedStderr(),
       "{\"bytes\":1000000,\"bytes_total\":4000000,\"elapsed_s\":1.5,\"phase\":\"sending\",\"share\":0.25}\n"
-      "{\"bytes_per_pixel\":0.5,\"elapsed_s\":3.0,\"eta_s\":18.0,\"nodes\":2,\"phase\":\"tracing\","
+      "{\"bytes_per_pixel\":0.5,\"elapsed_s\":3.0,\"eta_s\":3.0,\"nodes\":2,\"phase\":\"tracing\","
       "\"pixels\":"
-      "1000,"
-      "\"pixels_total\":4000,\"rays\":9000,\"share\":0.25}\n"
+      "2500,"
+      "\"pixels_total\":4000,\"rays\":9000,\"share\":0.625}\n"
       "{\"bytes_per_pixel\":0.5,\"elapsed_s\":3.5,\"eta_s\":0.0,\"nodes\":2,\"phase\":\"tracing\",\"pixels\":"
       "4000,"
       "\"pixels_total\":4000,\"rays\":9000,\"share\":1.0}\n");
