@@ -1,4 +1,5 @@
 // Documents that include others, what is described where it is used, and several errors at a time.
+#include "common/description/formats/yaml_document.h"
 #include "common/description/formats/yaml_scene.h"
 #include "common/materials/illuminants.h"
 #include "tests/unit/test_scene.h"
