@@ -78,7 +78,7 @@ class Commands(JobTest):
             model.json["accessors"][times] |= {"min": [0], "max": [seconds]}
             clips.append({"name": name, "samplers": [{"input": times, "output": places}],
                           "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]})
-        lens = {"name": "lens", "type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}
+        lens = {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}
         model.json |= {"animations": clips, "cameras": [lens], "meshes": [{"primitives": [{"attributes": {"POSITION": points}}]}],
                        "nodes": [{"mesh": 0}, {"name": "Front", "camera": 0, "translation": [0, 0, 5]},
                                  {"name": "Back", "camera": 0, "translation": [0, 0, 9]}]}
