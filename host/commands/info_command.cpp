@@ -289,8 +289,7 @@ void add_info_command(CommandLine& line) {
   const auto zones = std::make_shared<ZoneSettings>();
   Verb verb;
   verb.name = "info";
-  verb.help =
-      "print a scene's counts, clips, cameras, bounds, zones, materials, textures, object tree and memory";
+  verb.help = "print counts, clips, cameras, bounds, zones, materials, textures, objects and memory";
   verb.examples = {
       {"rayfarm info model.obj", "how many polygons it has, how large it is, and what it takes"}};
   verb.run = [path, load, build, zones](const Renders&) { return print_info(*path, *load, *build, *zones); };

@@ -92,7 +92,7 @@ class Commands(JobTest):
         self.assertIn(f"  0 'Front', of {path}\n", text)
 
         # Frames outside of the clip are said once.
-        output = ("-o", self.folder / "a.####.png", "--size", "8x8", "-q")
+        output = ("-o", self.folder / "a.####.png", "--size", "8x8")
         result = self.run_alone("render", path, *output, "--frames", "20,200-201")
         self.assertEqual(result.code, 0, result.stderr)
         self.assertEqual(result.stderr.count("2 of 3 frames lie outside of the scene's, 0 to 24 (the first such is 200)"), 1, result.stderr)
