@@ -278,6 +278,23 @@ struct ClipSearch {
   void check() const;
 };
 
+/// A clip of a glTF file, as `--clip` may ask for it.
+struct ClipDescription {
+  std::string file;
+  size_t number = 0;
+  std::string name;              ///< empty if it has none
+  std::optional<double> last_s;  ///< the time of its last key, where the file tells
+  bool is_played = false;
+};
+
+/// A camera of a glTF file, as `--camera` may ask for it.
+struct CameraDescription {
+  std::string file;
+  size_t number = 0;
+  std::string name;
+  bool is_view = false;
+};
+
 /// An option of `rayfarm render` that a scene asks for, as the command line has it.
 struct RenderChoice {
   std::string name;   ///< without dashes in front
@@ -308,6 +325,8 @@ struct SceneDescription {
   std::optional<std::array<int, 2>> frames;  ///< first and last
   bool has_own_frames = false;               ///< the scene says them; else they are those of all clips
   ClipSearch clip;                           ///< of loading
+  std::vector<ClipDescription> clips;        ///< of all glTF files, played or not
+  std::vector<CameraDescription> cameras;    ///< of the same
   std::vector<RenderChoice> render;          ///< how it wants to be rendered, where the user leaves it open
   Notes notes;                               ///< of loading
 

@@ -157,6 +157,16 @@ std::string problem_of(const CLI::ParseError& e, const CLI::App& app) {
                        what.substr(kBefore.size()));
   return what;
 }
+
+/// Where an output is missing: the word that seems to be meant for it, as one may type it behind the scene.
+std::string guess_output(const CLI::ParseError& e, const std::vector<std::string>& words) {
+  if (std::string_view(e.what()) != "--output is required") return {};
+  for (size_t i = 1; i < words.size(); ++i)
+    for (const std::string_view extension : {".png", ".exr"})
+      if (!words[i].starts_with('-') && words[i].ends_with(extension))
+        return fmt::format(" (-o {}?)", words[i]);
+  return {};
+}
 }  // namespace
 
 Option Options::text(const std::string& names, std::string& target, const std::string& help,
@@ -315,7 +325,7 @@ Request CommandLine::parse(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return {{}, fmt::format("{}\n", version.what()), kComplete};
   } catch (const CLI::ParseError& e) {
-    return refuse(problem_of(e, *app_));
+    return refuse(problem_of(e, *app_) + guess_output(e, words));
   } catch (const UsageError& e) {
     return refuse(e.what());
   }

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include "common/description/formats/gltf/animation.h"
 #include "common/description/primitive_counts.h"
 #include "common/description/scene_bounds.h"
 #include "common/hierarchy/bounding_tree.h"
@@ -66,6 +67,33 @@ void print_tree(const SceneDescription& scene, const std::vector<Box>& bounds, u
     if (const auto* mesh = std::get_if<MeshShape>(&p.shape)) print_names(*mesh, depth + 1, lines_left);
   for (const ChildDescription& child : o.children)
     print_tree(scene, bounds, child.object, depth + 1, lines_left);
+}
+
+/// What `--clip` and `--camera` may ask for.
+void print_clips_and_cameras(const SceneDescription& scene, double fps) {
+  const auto of_file = [&](const std::string& file) {
+    return file == scene.files.at(0) ? "" : fmt::format(", of {}", file);
+  };
+  const auto quoted = [](const std::string& name) {
+    return name.empty() ? std::string("without a name") : fmt::format("'{}'", name);
+  };
+  if (!scene.clips.empty()) fmt::print("clips (--clip takes the name or the number)\n");
+  size_t lines = kMostLines;
+  for (const ClipDescription& clip : scene.clips) {
+    if (!take_line(lines)) break;
+    fmt::print("  {} {}: {}{}{}\n", clip.number, quoted(clip.name),
+               clip.last_s ? fmt::format("{:g} s, frames 0 to {} at {:g} a second", *clip.last_s,
+                                         last_frame_of(*clip.last_s * fps), fps)
+                           : "the file does not tell how long",
+               clip.is_played ? ", the one that plays" : "", of_file(clip.file));
+  }
+  if (!scene.cameras.empty()) fmt::print("cameras (--camera takes the name or the number)\n");
+  lines = kMostLines;
+  for (const CameraDescription& camera : scene.cameras) {
+    if (!take_line(lines)) break;
+    fmt::print("  {} {}{}{}\n", camera.number, quoted(camera.name), camera.is_view ? ": the view" : "",
+               of_file(camera.file));
+  }
 }
 
 /// Their colours are the factors of textures, where they have some.
@@ -229,6 +257,7 @@ int print_info(const std::string& path, const LoadOptions& load, const BuildOpti
     fmt::print("  frames {} to {}{}{}{}\n", (*scene.frames)[0], (*scene.frames)[1],
                moves ? ", objects move" : "", s.deforming_parts.empty() ? "" : ", shapes change",
                has_changing_links(s) ? ", objects come and go" : "");
+  print_clips_and_cameras(scene, load.fps);
   Box box;
   for (const InstancePose& pose : s.poses)
     if (!pose.is_hidden) box.grow(pose.bounds);
@@ -260,7 +289,7 @@ void add_info_command(CommandLine& line) {
   const auto zones = std::make_shared<ZoneSettings>();
   Verb verb;
   verb.name = "info";
-  verb.help = "print a scene's counts, bounds, zones, materials, textures, object tree and memory";
+  verb.help = "print counts, clips, cameras, bounds, zones, materials, textures, objects and memory";
   verb.examples = {
       {"rayfarm info model.obj", "how many polygons it has, how large it is, and what it takes"}};
   verb.run = [path, load, build, zones](const Renders&) { return print_info(*path, *load, *build, *zones); };

@@ -21,22 +21,24 @@ namespace {
 constexpr double kMostTime_s = 366.0 * 24 * 3600;
 
 template <size_t N>
-std::array<int, N> parse_numbers(const std::string& text, char separator, const std::string& form) {
+std::array<int, N> parse_numbers(const char* option, const std::string& text, char separator,
+                                 const std::string& form) {
   std::array<int, N> numbers{};
   size_t begin = 0;
   for (size_t i = 0; i < N; ++i) {
     const size_t end = i + 1 == N ? text.size() : text.find(separator, begin);
-    if (end == std::string::npos) throw UsageError(fmt::format("'{}' is not of the form {}", text, form));
+    if (end == std::string::npos)
+      throw UsageError(fmt::format("{} {}: not of the form {}", option, text, form));
     const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, numbers[i]);
     if (error != std::errc{} || stop != text.data() + end || begin == end)
-      throw UsageError(fmt::format("'{}' is not of the form {}", text, form));
+      throw UsageError(fmt::format("{} {}: not of the form {}", option, text, form));
     begin = end + 1;
   }
   return numbers;
 }
 
 Subpixels parse_subpixels(const std::string& text) {
-  const auto parts = parse_numbers<2>(text, 'x', "COLUMNSxROWS");
+  const auto parts = parse_numbers<2>("--subpixels", text, 'x', "COLUMNSxROWS");
   const auto is_cut = [](int n) { return n >= 1 && n <= static_cast<int>(Subpixels::kMost); };
   if (!is_cut(parts[0]) || !is_cut(parts[1]))
     throw UsageError(
@@ -78,7 +80,7 @@ void add_picture(Options& options, RenderOptions& o) {
   options.text(
       "--size",
       [&o](const std::string& text) {
-        const auto size = parse_numbers<2>(text, 'x', "WIDTHxHEIGHT");
+        const auto size = parse_numbers<2>("--size", text, 'x', "WIDTHxHEIGHT");
         if (size[0] < 1 || size[1] < 1 || size[0] > 65536 || size[1] > 65536)
           throw UsageError(
               fmt::format("--size {}: an image has 1 to 65536 pixels a side, because the net carries "
@@ -92,7 +94,8 @@ void add_picture(Options& options, RenderOptions& o) {
       "in an image of another aspect than the view's: the view is as wide as it; covers it, and is "
       "cropped; or stands whole between bars (default: width)");
   options.text(
-      "--crop", [&o](const std::string& text) { o.crop = parse_numbers<4>(text, ',', "x0,x1,y0,y1"); },
+      "--crop",
+      [&o](const std::string& text) { o.crop = parse_numbers<4>("--crop", text, ',', "x0,x1,y0,y1"); },
       "render only these pixels; x1 and y1 are excluded", "x0,x1,y0,y1");
   options
       .number("--exposure", o.settings.exposure_stops, -kMostExposure_stops, kMostExposure_stops,

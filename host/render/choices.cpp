@@ -25,6 +25,23 @@ std::vector<FrameNumber> choose_frames(const RenderOptions& options, const Scene
                                                         : fmt::format("{}", range[0]));
 }
 
+std::vector<std::string> name_frames_outside(const RenderOptions& options, const SceneDescription& scene) {
+  if (!scene.frames) return {};
+  const auto [first, last] = *scene.frames;
+  const std::vector<FrameNumber> frames = choose_frames(options, scene);
+  const auto is_outside = [first = first, last = last](FrameNumber frame) {
+    return frame.value() < first || frame.value() > last;
+  };
+  const auto count = std::count_if(frames.begin(), frames.end(), is_outside);
+  if (count == 0) return {};
+  const FrameNumber example = *std::find_if(frames.begin(), frames.end(), is_outside);
+  return {fmt::format(
+      "--frames: {} of {} frame{} lie{} outside of the scene's, {} to {} (the first such is {}): before its "
+      "first key and after its last what moves stands still",
+      count, frames.size(), frames.size() == 1 ? "" : "s", count == 1 ? "s" : "", first, last,
+      example.value())};
+}
+
 namespace {
 [[noreturn]] void fail_of_crop(const RenderOptions& options, const std::string& problem) {
   if (options.crop_place) throw InputError(*options.crop_place, "crop " + problem);

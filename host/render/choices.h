@@ -33,6 +33,8 @@ std::vector<std::string> name_limits(const RenderOptions& options, const Subpoly
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);
 /// Names those that could do something, but not in this scene.
 std::vector<std::string> name_idle_options(const RenderSettings& settings, const SceneDescription& scene);
+/// One note if frames that are asked for lie outside of the scene's. Throws as choose_frames.
+std::vector<std::string> name_frames_outside(const RenderOptions& options, const SceneDescription& scene);
 
 /// What becomes of the view in a picture of another aspect, if nobody chose it.
 std::vector<std::string> name_fit(const RenderOptions& options, const RenderSettings& settings,

@@ -223,6 +223,7 @@ class Render {
 
     const RenderSettings settings = choose_settings(options_, loaded_->description);
     for (const std::string& note : name_idle_options(settings, loaded_->description)) log_->warn(note);
+    for (const std::string& note : name_frames_outside(options_, loaded_->description)) log_->warn(note);
     for (const std::string& note : name_fit(options_, settings, loaded_->description.view)) log_->info(note);
     for (const std::string& note : name_open_objects(settings, loaded_->description, loaded_->open_objects))
       log_->warn(note);

@@ -33,6 +33,14 @@ class Usage(JobTest):
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--sample", "4", says=["did you mean '--samples'?"])
         self.expect(2, "render", SCENE, "-o", self.folder / "a.png", "--ligthing=path", says=["did you mean '--lighting'?"])
 
+    def test_words_of_another_form(self):
+        output = ["-o", self.folder / "a.png"]
+        self.expect(2, "render", SCENE, *output, "--size", "320", says=["--size 320: not of the form WIDTHxHEIGHT"])
+        self.expect(2, "render", SCENE, *output, "--crop", "0,10,0", says=["--crop 0,10,0: not of the form x0,x1,y0,y1"])
+        self.expect(2, "render", SCENE, *output, "--subpixels", "2", says=["--subpixels 2: not of the form COLUMNSxROWS"])
+        self.expect(2, "render", SCENE, "a.png", says=["--output is required (-o a.png?)"])
+        self.assertNotIn("(-o", self.expect(2, "render", SCENE, says=["--output is required"]).stderr)
+
     def test_help_shows_nothing_of_the_parser(self):
         for command in ("render", "bake", "check", "info", "compile", "convert", "compare", "experiment", "model", "simulate"):
             text = self.run_alone(command, "--help").stdout

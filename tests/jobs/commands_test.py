@@ -5,6 +5,7 @@ import re
 import socket
 import subprocess
 
+import made_gltf
 from rayfarm_job import ENVIRONMENT, JobTest, RAYFARM, SCENES, main
 
 SCENE = SCENES / "primitives.yaml"
@@ -67,6 +68,35 @@ class Commands(JobTest):
         self.assertEqual(result.code, 0)
         for text in ("spheres 7", "bounds", "object tree", "memory"):
             self.assertIn(text, result.stdout)
+
+    def test_info_lists_clips_and_cameras(self):
+        model = made_gltf.Maker()
+        points = model.accessor([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+        clips = []
+        for name, seconds in (("walk", 1), ("run", 3)):
+            times, places = model.accessor([0, seconds]), model.accessor([[0, 0, 0], [1, 0, 0]])
+            model.json["accessors"][times] |= {"min": [0], "max": [seconds]}
+            clips.append({"name": name, "samplers": [{"input": times, "output": places}],
+                          "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]})
+        lens = {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}
+        model.json |= {"animations": clips, "cameras": [lens], "meshes": [{"primitives": [{"attributes": {"POSITION": points}}]}],
+                       "nodes": [{"mesh": 0}, {"name": "Front", "camera": 0, "translation": [0, 0, 5]},
+                                 {"name": "Back", "camera": 0, "translation": [0, 0, 9]}]}
+        path = model.write(self.folder / "clips.gltf")
+        text = self.run_alone("info", path, "--clip", "run", "--camera", "1").stdout
+        self.assertIn("  0 'walk': 1 s, frames 0 to 24 at 24 a second\n  1 'run': 3 s, frames 0 to 72 at 24 a second, the one that plays\n", text)
+        self.assertRegex(text, r"cameras .*\n  0 'Front'\n  1 'Back': the view\n")
+        scene = self.write("scene.yaml", "view: {location: [0, 0, 5], look_at: [0, 0, 0]}\nscene: [{mesh: {file: clips.gltf}}]\n")
+        text = self.run_alone("info", scene, "--fps", "10").stdout
+        self.assertIn(f"  1 'run': 3 s, frames 0 to 30 at 10 a second, of {path}\n", text)
+        self.assertIn(f"  0 'Front', of {path}\n", text)
+
+        # Frames outside of the clip are said once.
+        output = ("-o", self.folder / "a.####.png", "--size", "8x8")
+        result = self.run_alone("render", path, *output, "--frames", "20,200-201")
+        self.assertEqual(result.code, 0, result.stderr)
+        self.assertEqual(result.stderr.count("2 of 3 frames lie outside of the scene's, 0 to 24 (the first such is 200)"), 1, result.stderr)
+        self.assertNotIn("outside of", self.run_alone("render", path, *output, "--frames", "0,24").stderr)
 
     def test_info_counts_polygons(self):
         """As the thesis's Table 4.3 does: a vase of 16 x 5 polygons, triangles at its ends, and copies."""

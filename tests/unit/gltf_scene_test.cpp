@@ -137,6 +137,27 @@ TEST(GltfScene, LightsKeepTheirNumbers) {
   EXPECT_NE(notes_of(compiled).find("`range` of 1"), std::string::npos);
 }
 
+TEST(GltfScene, LightsInBlendersStandardUnitsAreNamed) {
+  const auto note_of = [](const char* generator, const char* type, double intensity) {
+    TinyGltf file;
+    file.asset = fmt::format(R"("generator": "{}")", generator);
+    return notes_of(compile(file.load(square_and(file, fmt::format(R"(
+      "extensionsUsed": ["KHR_lights_punctual"],
+      "extensions": {{"KHR_lights_punctual": {{"lights": [{{"type": "{}", "intensity": {}}}]}}}},
+      "nodes": [{{"mesh": 0}}, {{"extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}}])",
+                                                                   type, intensity)))));
+  };
+  const char* const blender = "Khronos glTF Blender I/O v3.4.50";
+  // A lamp of 1000 W and a sun of strength 1, as the exporter writes them: "Standard" and "Unitless".
+  EXPECT_NE(note_of(blender, "point", 54351).find("1 of its lights are as strong as Blender writes them"),
+            std::string::npos);
+  EXPECT_NE(note_of(blender, "directional", 683).find("add `--exposure -9.4`"), std::string::npos);
+  EXPECT_EQ(note_of(blender, "point", 79.6).find("Blender"), std::string::npos);
+  EXPECT_EQ(note_of(blender, "directional", 1).find("Blender"), std::string::npos);
+  EXPECT_EQ(note_of("COLLADA2GLTF", "spot", 54351).find("Blender"), std::string::npos)
+      << "it may mean candela";
+}
+
 TEST(GltfScene, LightsThatCanNotShineAreNamed) {
   const auto with = [](TinyGltf& file, const char* light) {
     return square_and(file, fmt::format(R"(

@@ -131,7 +131,11 @@ void write_clips(const std::string& name, const std::vector<std::pair<std::strin
   for (const auto& [clip, seconds] : clips)
     list += fmt::format(
         R"({}{{"name": "{}", "samplers": [{{"input": {}, "output": {}}}], "channels": [{{"sampler": 0, "target": {{"node": 0, "path": "translation"}}}}]}})",
-        list.empty() ? "" : ", ", clip, file.scalars({0, seconds}), file.vectors({0, 0, 0, 8, 0, 0}));
+        list.empty() ? "" : ", ", clip,
+        file.accessor(5126, "SCALAR", 2,
+                      fmt::format(R"("bufferView": {}, "max": [{}])",
+                                  file.view(std::vector<float>{0, seconds}), seconds)),
+        file.vectors({0, 0, 0, 8, 0, 0}));
   const std::string rest = square_and(
       file, R"("nodes": [{"mesh": 0}])" + (list.empty() ? "" : fmt::format(R"(, "animations": [{}])", list)));
   std::filesystem::rename(file.write(rest, name + ".bin", name + ".bin"),
@@ -146,6 +150,23 @@ SceneDescription load_clips(const std::string& before, const std::string& clip =
                                               "scene: [{mesh: {file: a.gltf}}, {mesh: {file: b.gltf}}, "
                                               "{mesh: {file: still.gltf}}]\n"),
       options);
+}
+
+TEST(GltfUses, ClipsAreListedWithTheirLengths) {
+  write_clips("a", {{"walk", 1}, {"run", 3}});
+  write_clips("b", {{"", 0.5}});
+  write_clips("still", {});
+  const std::vector<ClipDescription> clips = load_clips("", "run").clips;
+  ASSERT_EQ(clips.size(), 3u);
+  EXPECT_EQ(clips[0].name, "walk");
+  EXPECT_EQ(clips[0].last_s, 1);
+  EXPECT_FALSE(clips[0].is_played);
+  EXPECT_EQ(clips[1].number, 1u);
+  EXPECT_EQ(clips[1].last_s, 3);
+  EXPECT_TRUE(clips[1].is_played);
+  EXPECT_EQ(clips[2].name, "");
+  EXPECT_TRUE(clips[2].file.ends_with("b.gltf")) << clips[2].file;
+  EXPECT_FALSE(clips[2].is_played) << "it has no 'run'";
 }
 
 TEST(GltfUses, FramesAreThoseOfTheLongestClip) {

@@ -11,6 +11,8 @@ namespace rayfarm::test {
 
 class TinyGltf {
  public:
+  std::string asset;  ///< JSON that joins its `asset`, as `"generator": "me"`
+
   /// Adds the values' bytes as a bufferView; `more` is JSON that joins it, as `"byteStride": 8`.
   template <typename T>
   size_t view(const std::vector<T>& values, const std::string& more = "") {
@@ -50,7 +52,8 @@ class TinyGltf {
 
   /// All of it; `rest` is JSON of the other lists, as `"nodes": […]`.
   std::string json(const std::string& rest, const std::string& uri) const {
-    std::string text = R"({"asset": {"version": "2.0"})";
+    std::string text =
+        fmt::format(R"({{"asset": {{"version": "2.0"{}{}}})", asset.empty() ? "" : ", ", asset);
     if (!bytes_.empty()) {
       const std::string where = uri.empty() ? "" : fmt::format(R"(, "uri": "{}")", uri);
       text += fmt::format(R"(, "buffers": [{{"byteLength": {}{}}}])", bytes_.size(), where);

@@ -1,4 +1,5 @@
 // Documents that include others, what is described where it is used, and several errors at a time.
+#include "common/description/formats/yaml_document.h"
 #include "common/description/formats/yaml_scene.h"
 #include "common/materials/illuminants.h"
 #include "tests/unit/test_scene.h"
@@ -235,6 +236,37 @@ TEST(YamlDocuments, IlluminantsHaveTheirChromaticities) {
   EXPECT_NEAR(glm::length(chromaticity("E") - Vec2(1 / 3.0)), 0, 0.002);
   EXPECT_NEAR(glm::length(chromaticity("A") - Vec2(0.44758, 0.40745)), 0, 0.004);
   EXPECT_NEAR(glm::length(chromaticity("D65") - Vec2(0.31272, 0.32903)), 0, 0.004);
+}
+
+TEST(YamlAdvice, ColoursWithoutQuotesAreComments) {
+  const std::string error = error_of(view_text() +
+                                     "materials:\n  red: {color: #ff0000, diffuse: 0.5}\n  blue: {color: "
+                                     "[0, 0, 1]}\nscene: []\n");
+  EXPECT_NE(error.find("what follows a # is a comment: put '#ff0000' in quotes"), std::string::npos) << error;
+  EXPECT_EQ(error_of(view_text() + "materials: {red: {color: '#f00'} # reds\nscene: [\n").find("comment"),
+            std::string::npos);
+  EXPECT_NE(advice_on_yaml("a: {b: #fff}\nc: 1\n", 1, "").find("in line 1, "), std::string::npos);
+  for (const char* const other : {"a: [1] #fff\nb: {\n", "a: {b: '#fff'\n", "a: {b: x#fff\n", "a: { #ffff\n",
+                                  "a: {  # fff\n", "a: { #fffg\n"})
+    EXPECT_EQ(advice_on_yaml(other, 1, ""), "") << other;
+}
+
+TEST(YamlAdvice, TabsThatIndentAreNamed) {
+  const std::string error = error_of("view:\n\tlocation: [0, 0, 5]\n\tlook_at: [0, 0, 0]\nscene: []\n");
+  EXPECT_NE(error.find("is indented by a tab: YAML takes blanks alone"), std::string::npos) << error;
+}
+
+TEST(YamlAdvice, BackslashesInDoubleQuotesAreEscapes) {
+  for (const char* const path : {R"("C:\models\b.obj")", R"("C:\users\b.obj")"}) {
+    const std::string error = error_of(view_text() + "scene: [{mesh: {file: " + path + "}}]\n");
+    EXPECT_NE(error.find("in double quotes a \\ begins an escape"), std::string::npos) << error;
+  }
+}
+
+TEST(YamlAdvice, AMisspeltKeyOfTheViewIsNotAMissingOne) {
+  const std::string error = error_of("view: {location: [0, 0, 5], lookat: [0, 0, 0]}\nscene: []\n");
+  EXPECT_NE(error.find("unknown key 'lookat' in view"), std::string::npos) << error;
+  EXPECT_NE(error.find("did you mean 'look_at'?"), std::string::npos) << error;
 }
 
 }  // namespace

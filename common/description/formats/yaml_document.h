@@ -80,6 +80,10 @@ struct YamlScene {
   YamlProblems problems;
 };
 
+/// What to do about a text of which the YAML library says `problem` at `line` (from 0), where that tells less
+/// than the lines up to there do; empty, or "; " and the advice.
+std::string advice_on_yaml(std::string_view text, int line, std::string_view problem);
+
 /// A document of a scene while it is read.
 struct YamlDocument {
   YamlScene& shared;

@@ -72,7 +72,8 @@ class SceneReader {
       std::istream in(&buffer);
       root = YAML::Load(in);
     } catch (const YAML::ParserException& e) {
-      throw InputError({path, e.mark.line + 1, e.mark.column + 1}, "not valid YAML: " + e.msg);
+      throw InputError({path, e.mark.line + 1, e.mark.column + 1},
+                       "not valid YAML: " + e.msg + advice_on_yaml(text, e.mark.line, e.msg));
     } catch (const YAML::Exception& e) {
       throw InputError({path}, std::string("not valid YAML: ") + e.what());
     }

@@ -209,6 +209,10 @@ std::optional<YamlValue> YamlMap::find(const std::string& key) {
   return std::nullopt;
 }
 
+void YamlMap::know(std::initializer_list<const char*> keys) {
+  known_.insert(known_.end(), keys.begin(), keys.end());
+}
+
 YamlValue YamlMap::require(const std::string& key) {
   if (auto v = find(key)) return *v;
   // A near miss is more likely a typing error than a forgotten key.

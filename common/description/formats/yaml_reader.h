@@ -85,7 +85,9 @@ class YamlMap {
   std::optional<YamlValue> find(const std::string& key);
   /// Throws if the key is there, which means something elsewhere; `advice` says what is written here.
   void refuse(const std::string& key, const std::string& advice) const;
-  /// Throws at the first key that was never asked for.
+  /// These keys may be there, as if they had been asked for.
+  void know(std::initializer_list<const char*> keys);
+  /// Throws at the first key that is not known.
   void finish() const;
 
  private:

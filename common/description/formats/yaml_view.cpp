@@ -8,6 +8,10 @@ namespace rayfarm {
 
 void read_view(const YamlValue& value, SceneDescription& scene) {
   YamlMap map(value);
+  // First: one that is misspelt would be told as one that is missing.
+  map.know({"location", "direction", "look_at", "up", "projection", "field_of_view", "width", "shift", "near",
+            "far", "lens", "aspect", "resolution"});
+  map.finish();
   scene.has_view = true;
   ViewDescription& view = scene.view;
   view.location = read_curve(map.require("location"), Interpolation::linear, read_point);
@@ -69,7 +73,6 @@ void read_view(const YamlValue& value, SceneDescription& scene) {
     if (size.size() != 2) v->fail("the resolution is [width, height] in pixels");
     view.resolution_px = {size[0].whole_number_in(1, 65536), size[1].whole_number_in(1, 65536)};
   }
-  map.finish();
 }
 
 }  // namespace rayfarm

@@ -30,7 +30,40 @@ std::optional<size_t> clip_index(const GltfFile& file, SceneDescription& scene) 
   }
 }
 
+/// The time of a clip's last key, by what accessors say of themselves, as clips that are not played need not
+/// be read. None if one says nothing, or the clip is damaged.
+std::optional<double> last_time_s(const GltfFile& file, const GltfValue& clip) try {
+  double last = 0;
+  const GltfValue samplers = clip.at("samplers");
+  for (size_t i = 0; i < samplers.size(); ++i) {
+    throw_if_stopped(file.options().stop);
+    const uint32_t input = samplers[i].index("input", file.count("accessors"));
+    if (input == kNone) return std::nullopt;
+    last = std::max(last, file.item("accessors", input).at("max").numbers(1)[0]);
+  }
+  return last;
+} catch (const InputError&) {
+  return std::nullopt;
+}
+
+/// Lists the file's clips, of which `played` is.
+void list_clips(const GltfFile& file, std::optional<size_t> played, double played_s,
+                SceneDescription& scene) {
+  const auto is_of_file = [&](const ClipDescription& clip) { return clip.file == file.path(); };
+  if (std::any_of(scene.clips.begin(), scene.clips.end(), is_of_file)) return;  // it is used twice
+  for (size_t i = 0; i < file.count("animations"); ++i) {
+    const GltfValue clip = file.item("animations", i);
+    const bool is_played = i == played;
+    scene.clips.push_back({file.path(), i, clip.text("name", ""),
+                           is_played ? std::optional(played_s) : last_time_s(file, clip), is_played});
+  }
+}
+
 }  // namespace
+
+int last_frame_of(double frame) {
+  return static_cast<int>(std::clamp(std::ceil(frame - 1e-3), 0.0, kMostFrame));
+}
 
 Vec4 nonzero_scale(Vec4 s) {
   for (int c = 0; c < 3; ++c)
@@ -45,9 +78,11 @@ Vec4 unit_quaternion(const Vec4& q) {
 
 GltfAnimation::GltfAnimation(const GltfFile& file, SceneDescription& scene) : file_(file) {
   const std::optional<size_t> clip = clip_index(file, scene);
-  if (!clip) return;
-  read(file.item("animations", *clip), scene.notes);
-  frames_ = {0, static_cast<int>(std::clamp(std::ceil(last_frame_ - 1e-3), 0.0, kMostFrame))};
+  if (clip) {
+    read(file.item("animations", *clip), scene.notes);
+    frames_ = {0, last_frame_of(last_frame_)};
+  }
+  list_clips(file, clip, last_frame_ / file.options().fps, scene);
 }
 
 const GltfMotion* GltfAnimation::find(uint32_t node) const {

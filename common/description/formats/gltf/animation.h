@@ -40,6 +40,8 @@ class GltfAnimation {
   double last_frame_ = 0;
 };
 
+/// The last frame of a clip whose last key is at `frame`, which may lie between two.
+int last_frame_of(double frame);
 /// With a millionth in place of 0, of which nothing could be turned back into the object's space.
 Vec4 nonzero_scale(Vec4 scale);
 /// Its direction; no rotation if it has none.

@@ -87,14 +87,24 @@ void read_projection(const GltfValue& camera, ViewDescription& view) {
 
 }  // namespace
 
+void list_cameras(const GltfFile& file, const std::vector<GltfPlacedCamera>& cameras,
+                  SceneDescription& scene) {
+  const auto is_of_file = [&](const CameraDescription& camera) { return camera.file == file.path(); };
+  if (std::any_of(scene.cameras.begin(), scene.cameras.end(), is_of_file)) return;  // it is used twice
+  for (size_t i = 0; i < cameras.size(); ++i)
+    scene.cameras.push_back({file.path(), i, cameras[i].name, false});
+}
+
 void set_view(const GltfFile& file, const GltfAnimation& animation,
               const std::vector<GltfPlacedCamera>& cameras, SceneDescription& scene) {
   std::vector<std::string> names;
   for (const GltfPlacedCamera& camera : cameras) names.push_back(camera.name);
   const std::string& wanted = file.options().camera;
+  list_cameras(file, cameras, scene);
   if (wanted.empty() && cameras.empty()) return;
   const size_t choice = wanted.empty() ? 0 : file.find_choice("camera", wanted, names);
   const GltfPlacedCamera* const chosen = &cameras[choice];
+  scene.cameras[choice].is_view = true;  // the file is the scene: no other has cameras in it
   if (wanted.empty() && cameras.size() > 1)
     scene.notes.add({file.path()},
                     fmt::format("the view is the first of {} cameras, '{}'; --camera chooses another",

@@ -106,6 +106,7 @@ void load_gltf_mesh(SceneDescription& scene, uint32_t object, const MeshRequest&
     if (!scene.frames) scene.frames = frames;
     (*scene.frames)[1] = std::max((*scene.frames)[1], (*frames)[1]);  // all clips begin at 0
   }
+  list_cameras(file, nodes.cameras(), scene);
   if (!nodes.cameras().empty())
     scene.notes.add({request.path},
                     "its cameras are not used: the scene that names it has a view of its own");

@@ -15,6 +15,13 @@ namespace {
 constexpr size_t kMostDepth =
     limits::kObjectDepth - 100;  // of nodes: the scene may use the file deep in itself
 
+/// True of a light that Blender's exporter has most likely written in its usual units, "Standard": a watt is
+/// 683 lumens there, and the strength of a sun 683 lux. Lamps of 18 W and suns of 0.15 are above these limits
+/// then; those written as "Unitless" are so from 12,600 W and a strength of 100 on. The file does not tell.
+bool is_of_standard_units(const std::string& type, double intensity) {
+  return intensity > (type == "directional" ? 100 : 1000);
+}
+
 }  // namespace
 
 GltfNodes::GltfNodes(const GltfFile& file, SceneDescription& scene, const GltfAnimation& animation,
@@ -240,7 +247,8 @@ void GltfNodes::add_light(uint32_t node, const GltfValue& use) {
     color = v->vector3();
     if (color.x < 0 || color.y < 0 || color.z < 0) v->fail("a light's colour can't be negative");
   }
-  light.light.color = color * value.number_in("intensity", 1, 0, 1e12);
+  const double intensity = value.number_in("intensity", 1, 0, 1e12);
+  light.light.color = color * intensity;
   const std::string type = value.at("type").text();
   if (type == "directional") {
     light.light.kind = LightKind::distant;
@@ -266,6 +274,7 @@ void GltfNodes::add_light(uint32_t node, const GltfValue& use) {
     ++dark_lights_;
     return;
   }
+  strong_lights_ += is_of_standard_units(type, intensity) ? 1 : 0;
   if (++light_count_ > limits::kLights) value.fail("the file has too many lights");
   scene_.objects[object_of(node)].lights.push_back(std::move(light));
 }
@@ -302,6 +311,13 @@ void GltfNodes::add_notes() {
         fmt::format("`range` of {} lights is not used: their light goes on, and falls with the "
                     "square of the distance",
                     ranges_));
+  const auto asset = file_.root().find("asset");
+  if (strong_lights_ > 0 && asset && asset->text("generator", "").find("Blender") != std::string::npos)
+    add(fmt::format(
+        "{} of its lights are as strong as Blender writes them in its lighting mode \"Standard\", 683 "
+        "times their watts: if the picture is white, add `--exposure -9.4`, or export with the mode "
+        "\"Unitless\"",
+        strong_lights_));
   if (dark_lights_ > 0) add(fmt::format("{} lights without any light are left out", dark_lights_));
   if (wide_cones_ > 0)
     add(fmt::format("of {} spots the inner cone is wider than the outer, and taken for as wide",

@@ -64,7 +64,8 @@ class GltfNodes {
   std::map<std::pair<uint32_t, bool>, Copies> copies_;
   std::vector<GltfPlacedCamera> cameras_;
   uint32_t root_ = 0;
-  size_t light_count_ = 0, ranges_ = 0, dark_lights_ = 0, wide_cones_ = 0, hidden_skins_ = 0;
+  size_t light_count_ = 0, ranges_ = 0, dark_lights_ = 0, strong_lights_ = 0, wide_cones_ = 0,
+         hidden_skins_ = 0;
   size_t skinned_copies_ = 0, doubled_places_ = 0, idle_weights_ = 0;
   std::set<uint32_t> empty_skins_;
 };
