@@ -22,6 +22,7 @@
 #include "host/render/choices.h"
 #include "host/render/frame_groups.h"
 #include "host/render/journals.h"
+#include "host/render/notes.h"
 #include "host/render/onlookers.h"
 #include "host/render/output_pattern.h"
 #include "host/render/outputs.h"
