@@ -131,7 +131,7 @@ class Slurm(JobTestAlone):
         self.ask(*command)
 
     def assert_undisturbed(self, nodes):
-        self.assert_resumed(json.loads((self.folder / "told.json").read_text()), RAY_S, nodes)
+        self.assert_resumed(json.loads((self.folder / "told.json").read_text()))
         self.assertEqual(self.run_alone("render", SCENE, *STILL, "-o", self.folder / "alone.exr", "-q").code, 0)
         self.assertEqual((self.folder / "still.exr").read_bytes(), (self.folder / "alone.exr").read_bytes())
         self.assertEqual(sorted(path.name for path in self.folder.glob("still*")), ["still.exr"], "what was kept is gone then")
