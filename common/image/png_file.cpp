@@ -12,6 +12,8 @@
 #include <span>
 #include <stdexcept>
 
+#include "common/image/colour_channels.h"
+
 namespace rayfarm {
 namespace {
 
@@ -128,18 +130,12 @@ std::span<const std::byte> rgb8_row(const Image& image, int y, std::vector<std::
   const auto width = static_cast<size_t>(image.window.width());
   const size_t first = static_cast<size_t>(y) * width;
   if (image.layout.is_rgb8()) return std::span(image.pixels).subspan(3 * first, 3 * width);
-  std::array<size_t, 3> channels{};
-  for (size_t c = 0; c < 3; ++c) {
-    constexpr std::array kNames{"R", "G", "B"};
-    const auto channel = image.layout.find(kNames[c]);
-    if (!channel) throw std::runtime_error("the pixels hold no colour");
-    channels[c] = *channel;
-  }
+  const std::array<PixelChannel, 3> channels = colour_channels(image.layout);
   converted.resize(3 * width);
-  for (size_t x = 0; x < width; ++x)
+  const std::byte* pixel = image.pixels.data() + first * image.layout.bytes;
+  for (size_t x = 0; x < width; ++x, pixel += image.layout.bytes)
     for (size_t c = 0; c < 3; ++c)
-      converted[3 * x + c] =
-          static_cast<std::byte>(encode_srgb8(channel_value(image, first + x, channels[c])));
+      converted[3 * x + c] = static_cast<std::byte>(encode_srgb8(decode_value(channels[c], pixel)));
   return converted;
 }
 

@@ -21,6 +21,11 @@ AssignmentOptions assignment_options(const FarmHostOptions& o) {
   return a;
 }
 
+/// Of all frames, once for each pass.
+uint64_t pixels_of(const FarmHostOptions& o) {
+  return static_cast<uint64_t>(o.image.window.area()) * static_cast<uint64_t>(o.plan.pictures.steps());
+}
+
 }  // namespace
 
 FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResult& result, Tell tell)
@@ -31,8 +36,7 @@ FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResu
       assignment_(assignment_options(options), listening_.turn(now_s())),
       pictures_(transport, options, result, tell_, assignment_),
       zones_(transport, options.plan, result, assignment_),
-      progress_(options.progress, static_cast<uint64_t>(options.image.window.area()) *
-                                      static_cast<uint64_t>(options.plan.pictures.steps())) {
+      progress_(options.progress, pixels_of(options)) {
   for (Watcher* const watcher : options_.watchers) watcher->begin({options_.image, options_.files});
 }
 
@@ -269,8 +273,7 @@ void FarmHost::tell_watchers(FarmStage stage, double now) {
   FarmStatus status = status_of(result_, *transport_.meter(), assignment_);
   status.stage = stage;
   status.now_s = now;
-  status.pixels_total =
-      static_cast<uint64_t>(options_.image.window.area()) * options_.plan.pictures.frames.size();
+  status.pixels_total = pixels_of(options_);
   if (stage == FarmStage::zones) {
     status.elapsed_s = result_.zones.seconds + in_phase;
     const ZoneProgress zones = zones_.progress();
@@ -294,8 +297,9 @@ void FarmHost::show_progress(bool at_end) {
     return;
   }
   const bool is_traced = at_end || phase_ != &pictures_;
-  progress_.show(result_.times.trace_s + (is_traced ? 0 : in_phase), result_.pixels_kept,
-                 result_.pixels_resumed, result_.rays.total(),
+  const double since_s = result_.times.trace_s + (is_traced ? 0 : in_phase);
+  if (!at_end && !progress_.is_due(since_s)) return;  // the meter counts node by node
+  progress_.show(since_s, result_.pixels_kept, result_.pixels_resumed, result_.rays.total(),
                  picture_result_bytes(result_, *transport_.meter()), assignment_.nodes_alive(), at_end);
 }
 

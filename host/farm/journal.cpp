@@ -22,8 +22,8 @@ namespace {
 constexpr std::string_view kMagic = "rayfarm-journal 1\n";
 /// Longer than any head.
 constexpr size_t kMostHeadBytes = 1 << 16;
-/// Longer than any result: see kMostSubpolygonBytes.
-constexpr uint32_t kMostRecordBytes = (64 << 20) + (1 << 16);
+/// Longer than any result, with its head.
+constexpr uint32_t kMostRecordBytes = kMostSubpolygonBytes + (1 << 16);
 constexpr size_t kFrameBytes = 8;  ///< of a record: its length and its check
 
 /// Of the length, too, so that a damaged one is seen.

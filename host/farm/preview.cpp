@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "common/errors/input_error.h"
+#include "common/image/colour_channels.h"
 #include "common/image/image_file.h"
 
 namespace rayfarm {
@@ -41,13 +42,7 @@ void write_preview(const std::string& path, const Image& image, std::span<const 
     throw std::runtime_error(path + " is another picture");
   const PixelRect& window = image.window;
   const int step = (std::max(window.width(), window.height()) + kLongestSide_px - 1) / kLongestSide_px;
-  std::array<const PixelChannel*, 3> channels{};
-  for (size_t c = 0; c < 3; ++c) {
-    constexpr std::array kNames{"R", "G", "B"};
-    const auto channel = image.layout.find(kNames[c]);
-    if (!channel) throw std::runtime_error("the pixels hold no colour");
-    channels[c] = &image.layout.channels[*channel];
-  }
+  const std::array<PixelChannel, 3> channels = colour_channels(image.layout);
   Image preview;
   preview.width_px = (window.width() + step - 1) / step;
   preview.height_px = (window.height() + step - 1) / step;
@@ -68,7 +63,7 @@ void write_preview(const std::string& path, const Image& image, std::span<const 
         for (size_t c = 0; c < 3; ++c)
           out[to + c] = static_cast<std::byte>(
               is_there[i.place()]
-                  ? encode_srgb8(decode_value(*channels[c], pixels.data() + from * image.layout.bytes))
+                  ? encode_srgb8(decode_value(channels[c], pixels.data() + from * image.layout.bytes))
                   : kChequerGreys[static_cast<size_t>((x / kChequer_px + y / kChequer_px) % 2)]);
       }
   }

@@ -46,11 +46,15 @@ Progress::Progress(ProgressStyle style, uint64_t pixels_total) : style_(style), 
     style_ = isatty(STDERR_FILENO) ? ProgressStyle::tty : ProgressStyle::plain;
 }
 
-bool Progress::is_time(double now_s) {
+bool Progress::is_due(double now_s) const {
   const double interval = style_ == ProgressStyle::tty    ? kTtyInterval_s
                           : style_ == ProgressStyle::json ? kJsonInterval_s
                                                           : kPlainInterval_s;
-  if (now_s - shown_s_ < interval) return false;
+  return style_ != ProgressStyle::none && now_s - shown_s_ >= interval;
+}
+
+bool Progress::is_time(double now_s) {
+  if (!is_due(now_s)) return false;
   shown_s_ = now_s;
   return true;
 }

@@ -28,6 +28,8 @@ class Progress {
             int nodes, bool at_end = false);
   /// Ends the rewritten line, so that other text may follow.
   void clear();
+  /// True if the next that is shown at this time would be printed: who has to count first may ask.
+  bool is_due(double now_s) const;
 
  private:
   bool is_time(double now_s);

@@ -2,13 +2,14 @@
 
 #include <signal.h>
 #include <sys/time.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
@@ -28,12 +29,6 @@ std::atomic<bool> may_be_impatient{true};
 /// These say that time runs out: what comes after them is not yet impatience.
 bool is_warning(int number) {
   return number == SIGUSR1 || number == SIGALRM;
-}
-
-double now_s() {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 void on_signal(int number) {

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "common/image/colour_channels.h"
 #include "host/view/state_json.h"
 
 namespace rayfarm {
@@ -40,11 +41,7 @@ void FarmView::begin(const WatchedJob& job) {
     width_px_ = (window.width() + step_ - 1) / step_;
     height_px_ = (window.height() + step_ - 1) / step_;
   }
-  const PixelLayout& layout = job_.image.layout;
-  for (size_t c = 0; c < 3; ++c) {
-    constexpr std::array kNames{"R", "G", "B"};
-    channels_[c] = layout.channels.at(layout.find(kNames[c]).value());
-  }
+  channels_ = colour_channels(job_.image.layout);
   if (channels_[0].format == PixelFormat::half_float) {
     srgb8_of_half_.resize(1 << 16);
     for (unsigned bits = 0; bits < srgb8_of_half_.size(); ++bits) {

@@ -63,15 +63,18 @@ TEST(GatherRays, MeanTheSameAndAreLessNoisy) {
   }
 }
 
+/// All light of a picture with so many rays that gather, over that with one.
+double light_of_several_over_one(SolvedZones& solved, uint32_t rays) {
+  const std::vector<float> one = solved.picture(12, 12, 256);
+  solved.settings.zones.gather_rays = rays;
+  const std::vector<float> several = solved.picture(12, 12, 128);
+  return std::accumulate(several.begin(), several.end(), 0.0) / std::accumulate(one.begin(), one.end(), 0.0);
+}
+
 TEST(GatherRays, ShowWhatPathsFind) {
   // All that can stand where rays go on: the mean is that of one ray each.
   SolvedZones solved(furnished_room(), zone_settings(0.3, 20'000, ZoneView::gather));
-  const std::vector<float> one = solved.picture(12, 12, 256);
-  solved.settings.zones.gather_rays = 4;
-  const std::vector<float> several = solved.picture(12, 12, 128);
-  const double sum = std::accumulate(one.begin(), one.end(), 0.0),
-               sum_of_several = std::accumulate(several.begin(), several.end(), 0.0);
-  EXPECT_NEAR(sum_of_several / sum, 1, 0.01);
+  EXPECT_NEAR(light_of_several_over_one(solved, 4), 1, 0.01);
 }
 
 TEST(GatherRays, KeepWhatGlassTookOnTheWay) {
@@ -89,12 +92,7 @@ TEST(GatherRays, KeepWhatGlassTookOnTheWay) {
       "  - {material: tiles, sphere: {center: [0,0,-0.3], radius: 0.3}}\n" +
       room("wall");
   SolvedZones solved(text, zone_settings(0.3, 20'000, ZoneView::gather));
-  const std::vector<float> one = solved.picture(12, 12, 256);
-  solved.settings.zones.gather_rays = 8;
-  const std::vector<float> several = solved.picture(12, 12, 128);
-  const double sum = std::accumulate(one.begin(), one.end(), 0.0),
-               sum_of_several = std::accumulate(several.begin(), several.end(), 0.0);
-  EXPECT_NEAR(sum_of_several / sum, 1, 0.02);
+  EXPECT_NEAR(light_of_several_over_one(solved, 8), 1, 0.02);
 }
 
 TEST(GatherRays, AreTheSameInLanesAndAlone) {

@@ -61,24 +61,15 @@ TEST(NoiseTargets, IsThatOfTheDisplay) {
 
 /// Soft shadows, a body in motion, glass, and much that is plain.
 CompiledScene test_scene() {
-  return compile(test::load_yaml(R"(
+  return compile(test::load_yaml(std::string(R"(
 view: {location: {0: [0, 0, 5], 1: [0.2, 0, 5]}, look_at: [0, 0, 0]}
 background: 0.4
-materials: {m: {lambertian: [0.7, 0.5, 0.3]}, glass: {dielectric: flint}, lamp: {luminaire: {emission: 3}}}
-scene:
-  - {material: m, transform: {translate: {0: [-1, 0, 0], 1: [-0.6, 0, 0]}}, sphere: {center: [0, 0, 0], radius: 0.8}}
-  - {material: glass, sphere: {center: [0.8, 0, 0.5], radius: 0.7}}
-  - {material: lamp, sphere: {center: [0, 1.6, 0], radius: 0.4}}
-)"));
+)") + test::bodies_in_motion()));
 }
 
 RenderSettings path_settings(uint32_t samples) {
-  RenderSettings settings;
-  settings.width_px = settings.height_px = 22;
-  settings.crop = {0, 0, 22, 22};
+  RenderSettings settings = test::picture_settings(22, 22, LightingModel::path);
   settings.samples = samples;
-  settings.lighting = LightingModel::path;
-  settings.pixel_format = PixelFormat::float32;
   return settings;
 }
 

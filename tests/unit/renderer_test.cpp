@@ -19,16 +19,11 @@ std::vector<float> render_floats(const CompiledScene& compiled, RenderSettings s
 }
 
 TEST(Render, AnyCutGivesTheSamePixelsInEveryModel) {
-  const CompiledScene compiled = compile(test::load_yaml(R"(
+  const CompiledScene compiled = compile(test::load_yaml(std::string(R"(
 view: {location: {0: [0, 0, 5], 1: [0.2, 0, 5]}, look_at: [0, 0, 0], lens: {radius: 0.1, focus: 5}}
 background: 0.4
 lights: [{position: [3, 4, 5], color: 0.8}]
-materials: {m: {lambertian: [0.7, 0.5, 0.3]}, glass: {dielectric: flint}, lamp: {luminaire: {emission: 3}}}
-scene:
-  - {material: m, transform: {translate: {0: [-1, 0, 0], 1: [-0.6, 0, 0]}}, sphere: {center: [0, 0, 0], radius: 0.8}}
-  - {material: glass, sphere: {center: [0.8, 0, 0.5], radius: 0.7}}
-  - {material: lamp, sphere: {center: [0, 1.6, 0], radius: 0.4}}
-)"));
+)") + test::bodies_in_motion()));
   RenderSettings settings;
   settings.width_px = settings.height_px = 22;
   settings.crop = {0, 0, 22, 22};

@@ -82,6 +82,16 @@ inline std::string write_environment(int width, int height, const std::function<
   return path;
 }
 
+/// Materials and a scene: a body that moves, glass, and a ball that shines.
+inline std::string bodies_in_motion() {
+  return R"(materials: {m: {lambertian: [0.7, 0.5, 0.3]}, glass: {dielectric: flint}, lamp: {luminaire: {emission: 3}}}
+scene:
+  - {material: m, transform: {translate: {0: [-1, 0, 0], 1: [-0.6, 0, 0]}}, sphere: {center: [0, 0, 0], radius: 0.8}}
+  - {material: glass, sphere: {center: [0.8, 0, 0.5], radius: 0.7}}
+  - {material: lamp, sphere: {center: [0, 1.6, 0], radius: 0.4}}
+)";
+}
+
 /// Of a whole small picture whose float pixels tests compare.
 inline RenderSettings picture_settings(int width_px, int height_px, LightingModel model) {
   RenderSettings settings;

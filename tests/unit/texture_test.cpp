@@ -102,13 +102,14 @@ TEST(Textures, CheckerAlternatesInAllThreeDirections) {
   EXPECT_EQ(at(-0.5, -0.5, 0.5), 1);
 }
 
+/// Without its pixels.
+Image rgb8_image(int width_px, int height_px) {
+  return {width_px, height_px, {0, 0, width_px, height_px}, make_pixel_layout(PixelFormat::rgb8), {}};
+}
+
 TEST(Textures, ImagesAreReadInterpolatedAndHalved) {
   // 4 × 2 texels, the left half white and the right half black.
-  Image image;
-  image.width_px = 4;
-  image.height_px = 2;
-  image.window = {0, 0, 4, 2};
-  image.layout = make_pixel_layout(PixelFormat::rgb8);
+  Image image = rgb8_image(4, 2);
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 4; ++x)
       for (int c = 0; c < 3; ++c) image.pixels.push_back(static_cast<std::byte>(x < 2 ? 255 : 0));
@@ -131,11 +132,7 @@ TEST(Textures, ImagesAreReadInterpolatedAndHalved) {
 
 TEST(Textures, LevelsOfOddSizesKeepTheMean) {
   // 7 × 5 texels, of which no two are alike and the last are the brightest; encoded as light is.
-  Image image;
-  image.width_px = 7;
-  image.height_px = 5;
-  image.window = {0, 0, 7, 5};
-  image.layout = make_pixel_layout(PixelFormat::rgb8);
+  Image image = rgb8_image(7, 5);
   double mean = 0;
   for (int i = 0; i < 35; ++i) {
     for (int c = 0; c < 3; ++c) image.pixels.push_back(static_cast<std::byte>(7 * i));
