@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/lighting/item_buffers.h"
+#include "common/lighting/running_pixel.h"
 #include "common/lighting/self_hits.h"
 #include "common/lighting/zones/zone_shapes.h"
 #include "common/materials/scattering.h"
