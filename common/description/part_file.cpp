@@ -10,8 +10,8 @@
 #include "common/description/scene_description.h"
 #include "common/errors/input_error.h"
 #include "common/files/regular_file.h"
+#include "common/files/sha256.h"
 #include "common/files/whole_file.h"
-#include "common/image/image_file.h"
 
 namespace rayfarm {
 namespace {

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <stdexcept>
 
 #include "common/errors/input_error.h"
 
@@ -38,6 +39,18 @@ RegularFile open_regular_file(const std::string& path) {
   if (!S_ISREG(status.st_mode)) fail(irregular);
   opened.size_bytes = static_cast<uintmax_t>(status.st_size);
   return opened;
+}
+
+size_t read_at(std::FILE* file, uint64_t position, std::span<std::byte> to) {
+  size_t done = 0;
+  while (done < to.size()) {
+    const ssize_t count =
+        pread(fileno(file), to.data() + done, to.size() - done, static_cast<off_t>(position + done));
+    if (count == 0) break;
+    if (count < 0 && errno != EINTR) throw std::runtime_error(std::strerror(errno));
+    if (count > 0) done += static_cast<size_t>(count);
+  }
+  return done;
 }
 
 RegularFile open_bytes(std::span<const std::byte> bytes) {

@@ -73,58 +73,83 @@ void remove_stale(const std::filesystem::path& folder, const std::string& beginn
       std::filesystem::remove(entry->path(), ignored);
 }
 
-[[noreturn]] void fail() {
-  throw std::runtime_error(std::strerror(errno ? errno : EIO));
+std::string problem_of(int error) {
+  return std::strerror(error ? error : EIO);
 }
 
 }  // namespace
 
-void write_whole_file(const std::string& path, const std::function<void(std::FILE* file)>& write) {
+WholeFile::WholeFile(const std::string& path) : path_(path) {
   const std::filesystem::path target(path);
   const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
-  std::string temporary;
-  try {
-    std::error_code error;
-    const auto status = std::filesystem::status(target, error);
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-      throw std::runtime_error("what stands there is not a regular file");
-    const std::string beginning = beginning_for(target);
-    remove_stale(folder, beginning);
-    static std::atomic<unsigned> counter{0};
-    const std::string name =
-        fmt::format("{}{}.{}{:x}{}", beginning, getpid(), token(), counter.fetch_add(1), kEnding);
-    const std::string in_making = (folder / name).string();
-    const int descriptor = open(in_making.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (descriptor < 0) fail();
-    temporary = in_making;
-    const OpenFile file(fdopen(descriptor, "w+b"));
-    if (!file) {
-      close(descriptor);
-      fail();
-    }
-    try {
-      write(file.get());
-    } catch (const std::exception&) {
-      // A full disk is named as such, whatever the format's library made of it.
-      if (std::fputc(0, file.get()) == EOF || std::fflush(file.get()) != 0) fail();
-      throw;
-    }
-    // Forced to its disk, so that a full one shows here; what failed before that has left its mark, and is
-    // asked for once more by a byte that is not meant to stay.
-    errno = 0;
-    if (std::ferror(file.get())) {
-      std::clearerr(file.get());
-      if (std::fputc(0, file.get()) != EOF) std::fflush(file.get());
-      fail();
-    }
-    if (std::fflush(file.get()) != 0 || fsync(descriptor) != 0) fail();
-    std::filesystem::rename(temporary, target);
-  } catch (const std::exception& e) {
-    std::error_code ignored;
-    if (!temporary.empty()) std::filesystem::remove(temporary, ignored);
-    throw IoError(fmt::format(
-        "{}: can't be written: {}; check the folder, its permissions and the space left", path, e.what()));
+  std::error_code error;
+  const auto status = std::filesystem::status(target, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    fail("what stands there is not a regular file");
+  const std::string beginning = beginning_for(target);
+  remove_stale(folder, beginning);
+  static std::atomic<unsigned> counter{0};
+  const std::string name =
+      fmt::format("{}{}.{}{:x}{}", beginning, getpid(), token(), counter.fetch_add(1), kEnding);
+  const std::string in_making = (folder / name).string();
+  const int descriptor = open(in_making.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) fail(problem_of(errno));
+  temporary_ = in_making;
+  file_.reset(fdopen(descriptor, "w+b"));
+  if (!file_) {
+    const int of_opening = errno;
+    close(descriptor);
+    fail(problem_of(of_opening));
   }
+}
+
+WholeFile::~WholeFile() {
+  remove();
+}
+
+void WholeFile::remove() {
+  std::error_code ignored;
+  if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
+  temporary_.clear();
+}
+
+void WholeFile::fail(const std::string& problem) {
+  remove();
+  throw IoError(fmt::format("{}: can't be written: {}; check the folder, its permissions and the space left",
+                            path_, problem));
+}
+
+void WholeFile::write(const std::function<void(std::FILE* file)>& work) {
+  try {
+    work(file_.get());
+  } catch (const std::exception& e) {
+    // A full disk is named as such, whatever the format's library made of it.
+    errno = 0;
+    if (std::fputc(0, file_.get()) == EOF || std::fflush(file_.get()) != 0) fail(problem_of(errno));
+    fail(e.what());
+  }
+}
+
+void WholeFile::commit() {
+  // Forced to its disk, so that a full one shows here; what failed before that has left its mark, and is
+  // asked for once more by a byte that is not meant to stay.
+  errno = 0;
+  if (std::ferror(file_.get())) {
+    std::clearerr(file_.get());
+    if (std::fputc(0, file_.get()) != EOF) std::fflush(file_.get());
+    fail(problem_of(errno));
+  }
+  if (std::fflush(file_.get()) != 0 || fsync(fileno(file_.get())) != 0) fail(problem_of(errno));
+  std::error_code error;
+  std::filesystem::rename(temporary_, path_, error);
+  if (error) fail(error.message());
+  temporary_.clear();
+}
+
+void write_whole_file(const std::string& path, const std::function<void(std::FILE* file)>& write) {
+  WholeFile file(path);
+  file.write(write);
+  file.commit();
 }
 
 }  // namespace rayfarm

@@ -3,13 +3,16 @@
 // Rec.709.
 #include <cstdio>
 
-#include "common/image/image.h"
+#include "common/image/image_writer.h"
 
 namespace rayfarm {
 
-/// Writes into an empty file that is open for writing and reading, reads it back row by row and compares.
-/// RGB8 pixels become half. Throws std::exception with what went wrong.
-void write_exr(std::FILE* file, const Image& image, const std::map<std::string, std::string>& attributes);
+/// Into an empty file that is open for writing and reading. RGB8 pixels become half. Throws std::exception
+/// with what went wrong.
+/// \param late names of attributes whose values come at the end: 20 characters, filled up with spaces
+std::unique_ptr<RowWriter> make_exr_writer(std::FILE* file, const Image& image,
+                                           const std::map<std::string, std::string>& attributes,
+                                           const std::vector<std::string>& late);
 
 /// Reads the header. Throws std::exception.
 ImageInfo read_exr_info(std::FILE* file);

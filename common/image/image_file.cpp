@@ -1,14 +1,13 @@
 #include "common/image/image_file.h"
 
 #include <dlfcn.h>
-#include <openssl/evp.h>
 
 #include <filesystem>
 
 #include "common/errors/input_error.h"
 #include "common/files/regular_file.h"
-#include "common/files/whole_file.h"
 #include "common/image/exr_file.h"
+#include "common/image/image_writer.h"
 #include "common/image/png_file.h"
 
 namespace rayfarm {
@@ -84,12 +83,9 @@ PixelFormat natural_format(const std::string& path) {
 
 void write_image(const std::string& path, const Image& image,
                  const std::map<std::string, std::string>& attributes) {
-  write_whole_file(path, [&](std::FILE* file) {
-    if (extension_of(path) == ".png")
-      write_png(file, image, attributes);
-    else
-      write_exr(file, image, attributes);
-  });
+  ImageWriter writer(path, image, attributes);
+  writer.write_rows(image.pixels);
+  writer.finish();
 }
 
 ImageInfo read_image_info(const std::string& path) {
@@ -133,16 +129,6 @@ std::span<const float> ImageReader::next_row() {
   }
   ++row_;
   return std::span(block_).subspan(static_cast<size_t>(in_block) * stride, stride);
-}
-
-std::string sha256(std::span<const std::byte> bytes) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest, &size, EVP_sha256(), nullptr) != 1)
-    throw IoError("SHA-256 is not available");
-  std::string text;
-  for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
-  return text;
 }
 
 }  // namespace rayfarm

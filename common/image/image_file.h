@@ -1,6 +1,5 @@
 #pragma once
-// Image files: OpenEXR and PNG. A file appears under its name only when it is whole: written beside it, read
-// back and compared, then renamed.
+// Image files: OpenEXR and PNG. A file appears under its name only when it is whole (image_writer.h).
 #include "common/files/regular_file.h"
 #include "common/image/formats/image_formats.h"
 #include "common/image/image.h"
@@ -17,9 +16,8 @@ bool holds_linear_light(const std::string& path);
 /// What a file of this name holds: PNG rgb8, EXR half.
 PixelFormat natural_format(const std::string& path);
 
-/// Writes by extension. EXR: the pixels' channels by their names and A (alpha 1), half or float, ZIP,
-/// scene-linear Rec.709, with the attributes given. PNG: R, G and B in sRGB, 8 bits. Throws IoError; nothing
-/// is left behind then.
+/// Writes by extension, as an ImageWriter does that has all rows at once. Throws IoError; nothing is left
+/// behind then.
 void write_image(const std::string& path, const Image& image,
                  const std::map<std::string, std::string>& attributes);
 
@@ -58,8 +56,5 @@ class ImageReader {
   std::vector<float> block_;
   int row_ = 0;
 };
-
-/// SHA-256 of the bytes in hexadecimal.
-std::string sha256(std::span<const std::byte> bytes);
 
 }  // namespace rayfarm

@@ -1,87 +1,31 @@
 #include "common/image/png_file.h"
 
 #include <fmt/core.h>
-#include <png.h>
-#include <unistd.h>
 #include <zlib.h>
 
-#include <array>
 #include <cerrno>
-#include <csetjmp>
 #include <cstring>
 #include <span>
 #include <stdexcept>
 
-#include "common/image/colour_channels.h"
+#include "common/files/regular_file.h"
+#include "common/image/png_guard.h"
 
 namespace rayfarm {
 namespace {
-
-/// What libpng calls when it fails; it must not return.
-[[noreturn]] void keep_message_and_jump(png_structp png, png_const_charp message) {
-  *static_cast<std::string*>(png_get_error_ptr(png)) = message;
-  png_longjmp(png, 1);
-}
-void ignore(png_structp, png_const_charp) {}
-
-/// Calls `work`, which libpng may jump out of: nothing in it may need destruction.
-template <typename Work>
-void guarded(png_structp png, const std::string& message, Work work) {
-  if (setjmp(png_jmpbuf(png))) throw std::runtime_error(message);
-  work();
-}
-
-class Writer {
- public:
-  explicit Writer(std::FILE* file)
-      : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, &message_, keep_message_and_jump, ignore)),
-        info_(png_ ? png_create_info_struct(png_) : nullptr) {
-    if (!info_) throw std::bad_alloc();
-    png_init_io(png_, file);
-  }
-  ~Writer() { png_destroy_write_struct(&png_, &info_); }
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-
-  void write_header(int width_px, int height_px, std::span<png_text> texts) {
-    guarded(png_, message_, [&] {
-      png_set_IHDR(png_, info_, static_cast<png_uint_32>(width_px), static_cast<png_uint_32>(height_px), 8,
-                   PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                   PNG_FILTER_TYPE_DEFAULT);
-      // A third of the time that libpng's own choice takes, for files that are up to half as large again.
-      png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-      png_set_compression_level(png_, 3);
-      png_set_sRGB_gAMA_and_cHRM(png_, info_, PNG_sRGB_INTENT_PERCEPTUAL);
-      png_set_text(png_, info_, texts.data(), static_cast<int>(texts.size()));
-      png_write_info(png_, info_);
-    });
-  }
-  void write_row(std::span<const std::byte> rgb) {
-    guarded(png_, message_, [&] { png_write_row(png_, reinterpret_cast<png_const_bytep>(rgb.data())); });
-  }
-  void finish() {
-    guarded(png_, message_, [&] { png_write_end(png_, nullptr); });
-  }
-
- private:
-  std::string message_;
-  png_structp png_;
-  png_infop info_;
-};
 
 class Reader {
  public:
   /// From the file's beginning to its pixels.
   explicit Reader(std::FILE* file)
-      : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &message_, keep_message_and_jump, ignore)),
+      : png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, &message_, keep_png_message, ignore_png_message)),
         info_(png_ ? png_create_info_struct(png_) : nullptr) {
     try {
       if (!info_) throw std::bad_alloc();
       if (fseeko(file, 0, SEEK_SET) != 0) throw std::runtime_error(std::strerror(errno));
       png_init_io(png_, file);
-      guarded(png_, message_, [&] {
-        png_set_crc_action(png_, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
-        png_set_benign_errors(png_, 0);
+      png_guarded(png_, message_, [&] {
+        refuse_png_damage(png_);
         png_read_info(png_, info_);
       });
     } catch (...) {
@@ -107,14 +51,15 @@ class Reader {
   /// How often the rows come: an interlaced file holds them in several passes.
   int passes() {
     int count = 1;
-    guarded(png_, message_, [&] { count = png_set_interlace_handling(png_); });
+    png_guarded(png_, message_, [&] { count = png_set_interlace_handling(png_); });
     return count;
   }
   void read_row(std::span<std::byte> row) {
-    guarded(png_, message_, [&] { png_read_row(png_, reinterpret_cast<png_bytep>(row.data()), nullptr); });
+    png_guarded(png_, message_,
+                [&] { png_read_row(png_, reinterpret_cast<png_bytep>(row.data()), nullptr); });
   }
   void finish() {
-    guarded(png_, message_, [&] { png_read_end(png_, nullptr); });
+    png_guarded(png_, message_, [&] { png_read_end(png_, nullptr); });
   }
 
  private:
@@ -125,51 +70,48 @@ class Reader {
   png_infop info_;
 };
 
-/// The row of the window as sRGB bytes: the image's own, or converted into `converted`.
-std::span<const std::byte> rgb8_row(const Image& image, int y, std::vector<std::byte>& converted) {
-  const auto width = static_cast<size_t>(image.window.width());
-  const size_t first = static_cast<size_t>(y) * width;
-  if (image.layout.is_rgb8()) return std::span(image.pixels).subspan(3 * first, 3 * width);
-  const std::array<PixelChannel, 3> channels = colour_channels(image.layout);
-  converted.resize(3 * width);
-  const std::byte* pixel = image.pixels.data() + first * image.layout.bytes;
-  for (size_t x = 0; x < width; ++x, pixel += image.layout.bytes)
-    for (size_t c = 0; c < 3; ++c)
-      converted[3 * x + c] = static_cast<std::byte>(encode_srgb8(decode_value(channels[c], pixel)));
-  return converted;
+/// How the last chunk of a PNG file looks: no bytes, its name, its checksum.
+constexpr std::string_view kEnd("\0\0\0\0IEND\xae\x42\x60\x82", 12);
+/// A chunk's length and name before its bytes, and its checksum after them.
+constexpr size_t kChunkFrameBytes = 12;
+/// Texts after the pixels that are looked for, those of attributes that come late, are shorter than that all
+/// together.
+constexpr size_t kMostTailBytes = 1 << 14;
+
+uint32_t big_endian(std::string_view bytes) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[i]);
+  return value;
+}
+
+/// Adds the texts that stand right before the file's end. They are found from there, because the way through
+/// the chunks of the pixels would be that through the whole file.
+void add_late_texts(std::FILE* file, std::map<std::string, std::string>& attributes) {
+  if (fseeko(file, 0, SEEK_END) != 0) throw std::runtime_error(std::strerror(errno));
+  const auto size = static_cast<uint64_t>(ftello(file));
+  std::string bytes(std::min<uint64_t>(size, kMostTailBytes), '\0');
+  read_at(file, size - bytes.size(), std::as_writable_bytes(std::span(bytes)));
+  std::string_view tail(bytes);
+  if (!tail.ends_with(kEnd)) return;
+  tail.remove_suffix(kEnd.size());
+  for (size_t at = tail.rfind("tEXt"); at != std::string_view::npos && at >= 4;
+       at = tail.rfind("tEXt", at - 1)) {
+    const std::string_view chunk = tail.substr(at - 4);
+    const uint32_t length = big_endian(chunk);
+    if (chunk.size() < kChunkFrameBytes || length != chunk.size() - kChunkFrameBytes) continue;
+    const std::string_view checked = chunk.substr(4, 4 + size_t{length}), text = checked.substr(4);
+    const uLong sum =
+        crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()));
+    const size_t key = text.find('\0');
+    if (sum != big_endian(chunk.substr(8 + size_t{length})) || key == std::string_view::npos) continue;
+    attributes.emplace(text.substr(0, key), text.substr(key + 1));
+    tail.remove_suffix(chunk.size());
+    at = tail.size();
+    if (at == 0) return;
+  }
 }
 
 }  // namespace
-
-void write_png(std::FILE* file, const Image& image, const std::map<std::string, std::string>& attributes) {
-  std::vector<png_text> texts;
-  for (const auto& [name, value] : attributes) {
-    png_text text{};
-    text.compression = PNG_TEXT_COMPRESSION_NONE;
-    text.key = const_cast<char*>(name.c_str());
-    text.text = const_cast<char*>(value.c_str());
-    text.text_length = value.size();
-    texts.push_back(text);
-  }
-  const int height = image.window.height();
-  std::vector<std::byte> converted;
-  Writer writer(file);
-  writer.write_header(image.window.width(), height, texts);
-  for (int y = 0; y < height; ++y) writer.write_row(rgb8_row(image, y, converted));
-  writer.finish();
-  if (std::fflush(file) != 0) throw std::runtime_error(std::strerror(errno));
-
-  Reader reader(file);
-  bool is_same =
-      reader.width_px() == image.window.width() && reader.height_px() == height && reader.is_rgb8();
-  std::vector<std::byte> back(reader.row_bytes());
-  for (int y = 0; is_same && y < height; ++y) {
-    reader.read_row(back);
-    is_same = std::memcmp(back.data(), rgb8_row(image, y, converted).data(), back.size()) == 0;
-  }
-  if (!is_same) throw std::runtime_error("what was read back differs from what was written");
-  reader.finish();
-}
 
 ImageInfo read_png_info(std::FILE* file) {
   const Reader reader(file);
@@ -177,6 +119,7 @@ ImageInfo read_png_info(std::FILE* file) {
       reader.width_px(), reader.height_px(), {0, 0, reader.width_px(), reader.height_px()}, {}, {}};
   if (reader.is_rgb8()) info.format = PixelFormat::rgb8;
   for (const png_text& text : reader.texts()) info.attributes[text.key] = text.text;
+  add_late_texts(file, info.attributes);
   return info;
 }
 
@@ -192,12 +135,10 @@ void check_png(std::FILE* file) {
 std::string find_png_damage(std::FILE* file) {
   constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
   std::vector<unsigned char> bytes(1 << 16);
-  off_t at = 0;
+  uint64_t at = 0;
   const auto read = [&](size_t count) {
-    size_t done = 0;
-    for (ssize_t n = 1; done < count && n > 0; done += n > 0 ? static_cast<size_t>(n) : 0)
-      n = pread(fileno(file), bytes.data() + done, count - done, at + static_cast<off_t>(done));
-    at += static_cast<off_t>(done);
+    const size_t done = read_at(file, at, std::as_writable_bytes(std::span(bytes)).first(count));
+    at += done;
     return done == count;
   };
   const auto number = [&] {
@@ -207,7 +148,7 @@ std::string find_png_damage(std::FILE* file) {
     return "";
   constexpr const char* kCutOff = "it ends before its last chunk (IEND); the file is cut off";
   for (;;) {
-    const off_t begin = at;
+    const uint64_t begin = at;
     if (!read(8)) return kCutOff;
     uint32_t left = number();
     const std::string name(reinterpret_cast<const char*>(bytes.data()) + 4, 4);

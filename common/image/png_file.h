@@ -2,15 +2,16 @@
 // PNG files of R, G and B in sRGB, 8 bits a channel, a text chunk for each attribute.
 #include <cstdio>
 
-#include "common/image/image.h"
+#include "common/image/image_writer.h"
 
 namespace rayfarm {
 
-/// Writes the window's pixels into an empty file that is open for writing and reading, reads it back row by
-/// row and compares. Throws std::exception with what went wrong.
-void write_png(std::FILE* file, const Image& image, const std::map<std::string, std::string>& attributes);
+/// The window's pixels into an empty file that is open for writing and reading; late attributes stand after
+/// them. Throws std::exception with what went wrong.
+std::unique_ptr<RowWriter> make_png_writer(std::FILE* file, const Image& image,
+                                           const std::map<std::string, std::string>& attributes);
 
-/// Reads all that stands before the pixels. Throws std::exception.
+/// Reads all that stands before the pixels, and texts at the file's end. Throws std::exception.
 ImageInfo read_png_info(std::FILE* file);
 
 /// Reads every row and chunk. Throws std::exception if one is missing or damaged.

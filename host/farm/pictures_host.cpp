@@ -121,12 +121,13 @@ void PicturesHost::write_pass(StepIndex step) {
   if (std::exchange(buffer.is_pass_in_writing, true)) return;
   const int pass = pictures().pass_of(step), passes = pictures().passes;
   FrameWriter::Job job{frame, options_.files[frame.place()], options_.image, options_.attributes, false};
-  job.image.pixels = buffer.pixels;
   job.attributes["rayfarm/frame"] = fmt::format("{}", result_.frames[frame.place()].frame.value());
   job.attributes["rayfarm/pass"] = fmt::format("{} of {}", pass + 1, passes);
   const RenderPass of_samples{static_cast<uint32_t>(pass), static_cast<uint32_t>(passes), {}};
   job.attributes["rayfarm/samples"] = fmt::format("{}", of_samples.end(options_.passes.samples));
-  writer_.submit(std::move(job));
+  const PictureInWriting picture = writer_.begin(std::move(job));
+  writer_.write(picture, std::make_shared<std::vector<std::byte>>(buffer.pixels));
+  writer_.end(picture);
 }
 
 void PicturesHost::complete(StepIndex step, double now) {
@@ -143,10 +144,11 @@ void PicturesHost::complete(StepIndex step, double now) {
   }
   frames_[i].running = {};
   FrameWriter::Job job{frame, options_.files[i], options_.image, options_.attributes};
-  job.image.pixels = std::move(frames_[i].pixels);
   job.attributes["rayfarm/frame"] = fmt::format("{}", result_.frames[i].frame.value());
   job.attributes["rayfarm/rays"] = fmt::format("{}", result_.frames[i].rays.total());
-  writer_.submit(std::move(job));
+  const PictureInWriting picture = writer_.begin(std::move(job));
+  writer_.write(picture, std::make_shared<std::vector<std::byte>>(std::move(frames_[i].pixels)));
+  writer_.end(picture);
 }
 
 void PicturesHost::fail(const StepFailed& failed, double now) {
@@ -332,6 +334,8 @@ void PicturesHost::tell_what_is_odd(const FrameResult& frame) const {
 }
 
 void PicturesHost::take_written(double now) {
+  while (writer_.try_take_band()) {  // whole pictures, which are let go of with their ends
+  }
   while (const auto written = writer_.try_take()) {
     FrameResult& frame = result_.frames[written->frame.place()];
     if (!written->is_last_pass) {

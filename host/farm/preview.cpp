@@ -8,6 +8,7 @@
 #include "common/errors/input_error.h"
 #include "common/image/colour_channels.h"
 #include "common/image/image_file.h"
+#include "common/image/image_writer.h"
 
 namespace rayfarm {
 namespace {
@@ -48,26 +49,28 @@ void write_preview(const std::string& path, const Image& image, std::span<const 
   preview.height_px = (window.height() + step - 1) / step;
   preview.window = {0, 0, preview.width_px, preview.height_px};
   preview.layout = make_pixel_layout(PixelFormat::rgb8);
-  preview.pixels.resize(3 * static_cast<size_t>(preview.window.area()));
-  std::byte* out = preview.pixels.data();
-  // Subpolygon by subpolygon: which one a pixel belongs to need not be asked pixel by pixel.
-  for (SubpolygonId i; i.value() < grid.count(); ++i) {
-    const DisplayPolygon p = grid.polygon(i);
-    const auto first = [&](int edge) { return (edge + step - 1) / step; };
-    for (int y = first(p.top - window.y0); y * step <= p.bottom - window.y0; ++y)
-      for (int x = first(p.left - window.x0); x * step <= p.right - window.x0; ++x) {
+  ImageWriter writer(path, preview, {{"rayfarm/version", RAYFARM_VERSION}, {kMark, "yes"}});
+  std::vector<std::byte> row(3 * static_cast<size_t>(preview.width_px));
+  int grid_row = 0;
+  for (int y = 0; y < preview.height_px; ++y) {
+    while (grid.polygon(SubpolygonId(grid_row * grid.columns)).bottom - window.y0 < y * step) ++grid_row;
+    // Subpolygon by subpolygon: which one a pixel belongs to need not be asked pixel by pixel.
+    for (int column = 0; column < grid.columns; ++column) {
+      const SubpolygonId i(grid_row * grid.columns + column);
+      const DisplayPolygon p = grid.polygon(i);
+      for (int x = (p.left - window.x0 + step - 1) / step; x * step <= p.right - window.x0; ++x) {
         const size_t from = static_cast<size_t>(y * step) * static_cast<size_t>(window.width()) +
                             static_cast<size_t>(x * step);
-        const size_t to =
-            3 * (static_cast<size_t>(y) * static_cast<size_t>(preview.width_px) + static_cast<size_t>(x));
         for (size_t c = 0; c < 3; ++c)
-          out[to + c] = static_cast<std::byte>(
+          row[3 * static_cast<size_t>(x) + c] = static_cast<std::byte>(
               is_there[i.place()]
                   ? encode_srgb8(decode_value(channels[c], pixels.data() + from * image.layout.bytes))
                   : kChequerGreys[static_cast<size_t>((x / kChequer_px + y / kChequer_px) % 2)]);
       }
+    }
+    writer.write_rows(row);
   }
-  write_image(path, preview, {{"rayfarm/version", RAYFARM_VERSION}, {kMark, "yes"}});
+  writer.finish();
 }
 
 }  // namespace rayfarm

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/errors/input_error.h"
+#include "common/files/sha256.h"
 #include "common/scene/settings_codec.h"
 #include "host/process/exit_code.h"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include "common/image/image_file.h"
+#include "common/files/sha256.h"
 #include "common/scene/settings_codec.h"
 
 namespace rayfarm {

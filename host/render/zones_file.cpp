@@ -10,8 +10,8 @@
 
 #include "common/errors/input_error.h"
 #include "common/files/read_file.h"
+#include "common/files/sha256.h"
 #include "common/files/whole_file.h"
-#include "common/image/image_file.h"
 #include "host/process/exit_code.h"
 #include "host/render/output_pattern.h"
 #include "host/render/settings_lines.h"

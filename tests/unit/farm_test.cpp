@@ -1,8 +1,11 @@
 // Host and nodes as threads, with workers that misbehave.
+#include <cmath>
 #include <thread>
 
+#include "common/image/image_file.h"
 #include "common/scene/settings_codec.h"
 #include "host/farm/farm_host.h"
+#include "host/farm/preview.h"
 #include "host/render/output_pattern.h"
 #include "node/node.h"
 #include "protocol/build_identity.h"
@@ -214,26 +217,34 @@ TEST(Farm, ALivingNodeThatSendsNonsenseIsExpelled) {
   }
 }
 
-TEST(FrameWriter, WritesAllThatIsQueuedBeforeItEnds) {
-  const auto folder = std::filesystem::path(test::write_temporary("writer-marker", "")).parent_path();
-  Image image{
-      64, 64, {0, 0, 64, 64}, make_pixel_layout(PixelFormat::rgb8), std::vector<std::byte>(3 * 64 * 64)};
-  std::vector<std::filesystem::path> files;
-  FrameWriter writer;
-  for (int i = 0; i < 20; ++i) {
-    files.push_back(folder / fmt::format("queued{}.png", i));
-    std::filesystem::remove(files.back());
-    writer.submit({FrameIndex(i), files.back().string(), image, {}});
-  }
-  writer.finish();
-  int taken = 0;
-  while (const auto written = writer.try_take()) {
-    EXPECT_EQ(written->problem, "");
-    EXPECT_TRUE(written->is_black);
-    ++taken;
-  }
-  EXPECT_EQ(taken, 20);
-  for (const auto& file : files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
+TEST(Preview, ShowsEveryOtherPixelOfWhatIsThere) {
+  const int width = 4200, height = 31;  // more than is shown as it is
+  const PixelRect window{10, 20, 10 + width, 20 + height};
+  Image image{5000, 60, window, make_pixel_layout(PixelFormat::rgb8), {}};
+  std::vector<std::byte> pixels(3 * static_cast<size_t>(window.area()));
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::byte>(i * 7919 % 251);
+  const SubpolygonGrid grid{window.x0, window.y0, width, height, 7, 5};
+  std::vector<bool> is_there(static_cast<size_t>(grid.count()));
+  for (size_t i = 0; i < is_there.size(); ++i) is_there[i] = i % 3 != 1;
+  const std::string path = test::write_temporary("some.partial.png", "");
+  std::filesystem::remove(path);
+  write_preview(path, image, pixels, grid, is_there);
+  EXPECT_TRUE(is_preview(path));
+  ASSERT_EQ(read_image_info(path).window, (PixelRect{0, 0, 2100, 16}));
+  const std::vector<float> shown = test::read_pixels(path);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 2100; ++x) {
+      SubpolygonId i;
+      const auto holds = [&](const DisplayPolygon& p) {
+        return p.left <= 10 + 2 * x && 10 + 2 * x <= p.right && p.top <= 20 + 2 * y && 20 + 2 * y <= p.bottom;
+      };
+      while (!holds(grid.polygon(i))) ++i;
+      const size_t from = 3 * static_cast<size_t>(2 * y * width + 2 * x);
+      const int expected = is_there[i.place()]          ? static_cast<int>(pixels[from])
+                           : (x / 16 + y / 16) % 2 == 1 ? 160
+                                                        : 96;
+      ASSERT_EQ(std::lround(255 * shown[3 * static_cast<size_t>(2100 * y + x)]), expected) << x << " " << y;
+    }
 }
 
 TEST(Frames, AreParsedAndNamed) {

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "common/image/image_file.h"
+#include "common/files/sha256.h"
 #include "common/lighting/zones/zone_scene.h"
 #include "host/experiments/page.h"
 #include "host/experiments/renders.h"
