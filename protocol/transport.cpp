@@ -24,13 +24,15 @@ void Transport::send(NodeId to, Channel channel, Bytes bytes) {
   do_send(to, channel, std::move(bytes));
 }
 
-void Transport::broadcast(Channel channel, const Bytes& bytes) {
+void Transport::broadcast(Channel channel, Bytes bytes) {
   count(kHost, Direction::to_node, channel, bytes);
-  for (NodeId node(1); node.value() <= node_count(); ++node) do_send(node, channel, bytes);
+  const auto shared = std::make_shared<const Bytes>(std::move(bytes));
+  for (NodeId node(1); node.value() <= node_count(); ++node) do_send(node, channel, shared);
 }
 
-void Transport::send_of_broadcast(NodeId to, Channel channel, Bytes bytes, bool is_first) {
-  if (is_first) count(kHost, Direction::to_node, channel, bytes);
+void Transport::send_of_broadcast(NodeId to, Channel channel, std::shared_ptr<const Bytes> bytes,
+                                  bool is_first) {
+  if (is_first) count(kHost, Direction::to_node, channel, *bytes);
   do_send(to, channel, std::move(bytes));
 }
 

@@ -23,10 +23,26 @@ struct Message {
   Bytes bytes;
 };
 
+/// The bytes of a message on its way: its own, or those of a broadcast, which all who get it share.
+class Parcel {
+ public:
+  Parcel(Bytes own) : own_(std::move(own)) {}
+  Parcel(std::shared_ptr<const Bytes> shared) : shared_(std::move(shared)) {}
+  std::span<const std::byte> bytes() const { return shared_ ? *shared_ : own_; }
+  /// For who gets it, once.
+  Bytes take() { return shared_ ? *shared_ : std::move(own_); }
+
+ private:
+  Bytes own_;
+  std::shared_ptr<const Bytes> shared_;
+};
+
 class Transport {
  public:
   virtual ~Transport() = default;
-  virtual int node_count() const = 0;
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+  int node_count() const { return nodes_; }
   /// True if all ends live and die together: none can be lost alone.
   virtual bool is_one_process() const = 0;
 
@@ -34,9 +50,9 @@ class Transport {
   void send(NodeId to, Channel channel, Bytes bytes);
   void send(NodeId to, const Control& control) { send(to, Channel::control, encode_control(control)); }
   /// The host sends to every node; counted once.
-  void broadcast(Channel channel, const Bytes& bytes);
+  void broadcast(Channel channel, Bytes bytes);
   /// A part of a broadcast, to one node, in its own time; counted for the first of them.
-  void send_of_broadcast(NodeId to, Channel channel, Bytes bytes, bool is_first);
+  void send_of_broadcast(NodeId to, Channel channel, std::shared_ptr<const Bytes> bytes, bool is_first);
   /// What was sent to a node and has not been taken up there. An estimate: what the net holds may count as
   /// taken up.
   virtual size_t unsent_bytes(NodeId to) = 0;
@@ -54,12 +70,17 @@ class Transport {
   const TrafficMeter* meter() const { return meter_.get(); }
 
  protected:
-  void own_meter(int nodes) { meter_ = std::make_unique<TrafficMeter>(nodes); }
-  virtual void do_send(NodeId to, Channel channel, Bytes bytes) = 0;
+  /// The end `self` of a net with so many nodes.
+  Transport(int nodes, NodeId self)
+      : nodes_(nodes), meter_(self == kHost ? std::make_unique<TrafficMeter>(nodes) : nullptr) {}
+  /// All that this end has to do with have lower places: the host with all nodes, a node with its host.
+  size_t peers() const { return is_host() ? static_cast<size_t>(nodes_) + 1 : 1; }
+  virtual void do_send(NodeId to, Channel channel, Parcel parcel) = 0;
   virtual std::optional<Message> do_try_receive() = 0;
 
  private:
   void count(NodeId node, Direction direction, Channel channel, std::span<const std::byte> bytes);
+  int nodes_;
   std::unique_ptr<TrafficMeter> meter_;
   std::atomic<double> last_turn_s_ = now_s();
 };

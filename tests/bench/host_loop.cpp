@@ -1,9 +1,9 @@
-// What the host's loop takes for a message, by the number of nodes: the real host on local transports, and one
-// thread that plays all nodes. They return blocks of 32 × 32 pixels of a rendered picture, compressed before, as
-// soon as they are asked to: the host is what everybody waits for.
+// What the host's loop takes for a message, by the number of nodes: the real host on local transports, and
+// one thread that plays all nodes. They return blocks of 32 × 32 pixels of a rendered picture, compressed
+// before, as soon as they are asked to: the host is what everybody waits for.
 //   host_loop SCENE [NODES ...]      default: 10 100 1000 10000
 #include <fmt/core.h>
-#include <time.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -14,6 +14,7 @@
 #include "common/lighting/renderer.h"
 #include "host/farm/farm_host.h"
 #include "protocol/block_codec.h"
+#include "protocol/clock.h"
 #include "protocol/local_transport.h"
 
 namespace {
@@ -21,12 +22,6 @@ namespace {
 using namespace rayfarm;
 
 constexpr int kBlock_px = 32, kSide_px = 4096, kFrames = 2;
-
-double seconds_of(clockid_t clock) {
-  timespec t{};
-  clock_gettime(clock, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// A picture of the scene, as nodes send its blocks.
 std::vector<Bytes> compressed_blocks(const std::string& path) {
@@ -40,14 +35,14 @@ std::vector<Bytes> compressed_blocks(const std::string& path) {
   std::vector<Bytes> blocks;
   for (int y = 0; y < settings.height_px; y += kBlock_px)
     for (int x = 0; x < settings.width_px; x += kBlock_px)
-      blocks.push_back(compress_rgb8(
-          renderer.render(1, {x, y, x + kBlock_px, y + kBlock_px}, [] {}).pixels, kBlock_px, kBlock_px));
+      blocks.push_back(compress_rgb8(renderer.render(1, {x, y, x + kBlock_px, y + kBlock_px}, [] {}).pixels,
+                                     kBlock_px, kBlock_px));
   return blocks;
 }
 
 /// Plays the nodes until the host dismisses them.
 void play_nodes(const std::vector<std::unique_ptr<Transport>>& ends, const JobPlan& plan,
-                const std::vector<Bytes>& blocks, double& cpu_s) {
+                const std::vector<Bytes>& blocks, double& used_s) {
   std::vector<StepIndex> steps(ends.size());
   const PicturesPhase& pictures = plan.pictures;
   bool is_over = false;
@@ -70,7 +65,7 @@ void play_nodes(const std::vector<std::unique_ptr<Transport>>& ends, const JobPl
       }
     if (is_idle) std::this_thread::yield();
   }
-  cpu_s = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+  used_s = thread_cpu_s();
 }
 
 void measure(int nodes, const std::vector<Bytes>& blocks, const std::filesystem::path& folder) {
@@ -90,19 +85,19 @@ void measure(int nodes, const std::vector<Bytes>& blocks, const std::filesystem:
     plan.pictures.frames.emplace_back(i);
     options.files.push_back(folder / fmt::format("{}.png", i));
   }
-  double nodes_cpu_s = 0;
-  std::thread all_nodes([&] { play_nodes(ends, plan, blocks, nodes_cpu_s); });
-  const double begin_s = now_s(), process_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID),
-               loop_s = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+  double nodes_used_s = 0;
+  std::thread all_nodes([&] { play_nodes(ends, plan, blocks, nodes_used_s); });
+  const double process_s = cpu_s(), loop_s = thread_cpu_s();
   {
-    FarmHost host(*ends[0], options, result, [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
+    FarmHost host(*ends[0], options, result,
+                  [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
     host.run();
   }
-  const double loop = seconds_of(CLOCK_THREAD_CPUTIME_ID) - loop_s, trace_s = result.times.trace_s;
+  const double loop = thread_cpu_s() - loop_s, trace_s = result.times.trace_s;
   ends[0]->broadcast(Channel::control, encode_control(Finish{}));
   all_nodes.join();
-  const double host = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - process_s - nodes_cpu_s;
-  if (result.frames_failed() > 0 || now_s() < begin_s) std::exit(1);
+  const double host = cpu_s() - process_s - nodes_used_s;
+  if (result.frames_failed() > 0) std::exit(1);
   const auto each = static_cast<double>(result.duplicates) + double(kFrames) * plan.pictures.grid.count();
   fmt::print("{:>8} {:12.0f} {:14.0f} {:14.1f} {:14.1f} {:14.1f}\n", nodes, each, each / trace_s,
              1e6 * loop / each, 1e6 * host / each, 1e-6 * double(result.pixels_received) / trace_s);
