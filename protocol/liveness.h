@@ -46,6 +46,8 @@ class ProcessSign {
   /// True if the process was seen here once, running this program, and is gone now. Processes of other
   /// machines, or of other containers, are never seen.
   bool is_gone() const;
+  /// False: it was never seen, and will never be gone.
+  bool tells() const { return was_seen_; }
   const std::string& machine() const { return machine_; }
   uint32_t pid() const { return pid_; }
 
