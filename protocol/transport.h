@@ -5,6 +5,7 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "protocol/clock.h"
 #include "protocol/traffic_meter.h"
@@ -61,8 +62,13 @@ class Transport {
   /// Sleeps for so long, or until a message comes if the transport can tell.
   virtual void wait_for_message(double longest_s);
 
-  /// When messages were last looked for (see now_s), for other threads to ask.
+  /// When messages were last looked for, and something last sent to an end (see now_s), for other threads to
+  /// ask.
   double last_turn_s() const { return last_turn_s_; }
+  double last_sent_s(NodeId to) const { return sent_s_[to.place()]; }
+  /// This end says something to each other at least so often while it lives (see Heart).
+  double beat_s() const { return beat_s_; }
+  void set_beat_s(double seconds) { beat_s_ = seconds; }
 
   /// Only the host's transport has a meter.
   bool is_host() const { return meter_ != nullptr; }
@@ -71,18 +77,19 @@ class Transport {
 
  protected:
   /// The end `self` of a net with so many nodes.
-  Transport(int nodes, NodeId self)
-      : nodes_(nodes), meter_(self == kHost ? std::make_unique<TrafficMeter>(nodes) : nullptr) {}
+  Transport(int nodes, NodeId self);
   /// All that this end has to do with have lower places: the host with all nodes, a node with its host.
   size_t peers() const { return is_host() ? static_cast<size_t>(nodes_) + 1 : 1; }
   virtual void do_send(NodeId to, Channel channel, Parcel parcel) = 0;
   virtual std::optional<Message> do_try_receive() = 0;
 
  private:
+  void send_parcel(NodeId to, Channel channel, Parcel parcel);
   void count(NodeId node, Direction direction, Channel channel, std::span<const std::byte> bytes);
   int nodes_;
   std::unique_ptr<TrafficMeter> meter_;
-  std::atomic<double> last_turn_s_ = now_s();
+  std::vector<std::atomic<double>> sent_s_;
+  std::atomic<double> beat_s_, last_turn_s_ = now_s();
 };
 
 /// Sleeps longer the longer nothing happens, so that waiting costs almost no processor time.
