@@ -11,6 +11,7 @@
 #include <mutex>
 #include <vector>
 
+#include "protocol/loading_steps.h"
 #include "protocol/mpi_transport.h"
 #include "protocol/shared_memory.h"
 #include "protocol/time_limits.h"
@@ -56,39 +57,23 @@ struct MpiSession::State {
   std::mutex in_mpi;  ///< one thread at a time calls MPI
   int rank = 0, size = 1;
 
-  void arm(const char* what) {
-    watchdog.arm(
-        rank == kHostRank ? liveness::kLoadingStep_s : liveness::kLoadingStepOfNodes_s,
-        fmt::format("a process was lost while loading ({}); the job ends. Start it again, without the "
-                    "machine that failed",
-                    what));
-  }
-
-  /// Runs one collective step under the watchdog.
-  template <typename Step>
-  void collective(const char* what, Step step) {
-    arm(what);
-    check_mpi(step(), what);
-    watchdog.disarm();
-  }
-
   /// Waits until every process of the machine is here. However long the machine's leader receives, it is
   /// alive as long as `progress` (may be null) grows.
-  void wait_for_machine(MPI_Comm machine, uint64_t* progress) {
+  static void wait_for_machine(MPI_Comm machine, uint64_t* progress, LoadingSteps& steps) {
     MPI_Request request = MPI_REQUEST_NULL;
     check_mpi(MPI_Ibarrier(machine, &request), "the end of loading");
     constexpr const char* kWhat = "the machine's copy";
-    arm(kWhat);
+    steps.begin(kWhat);
     uint64_t seen = 0;
     for (Backoff backoff;; backoff.wait()) {
       int done = 0;
       check_mpi(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "the end of loading");
       if (done) break;
       const uint64_t now = progress ? std::atomic_ref(*progress).load() : seen;
-      if (now != seen) arm(kWhat);
+      if (now != seen) steps.begin(kWhat);
       seen = now;
     }
-    watchdog.disarm();
+    steps.end();
   }
 };
 
@@ -126,7 +111,7 @@ int MpiSession::size() const {
 }
 
 std::unique_ptr<Transport> MpiSession::make_transport() {
-  return std::make_unique<MpiTransport>(state_->comm, state_->in_mpi);
+  return std::make_unique<MpiTransport>(state_->comm, state_->in_mpi, state_->watchdog);
 }
 
 std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> block,
@@ -136,20 +121,13 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
                                                    std::function<std::string()> names_the_gone) {
   State& s = *state_;
   const std::lock_guard lock(s.in_mpi);  // no heartbeats meanwhile: nobody listens for them
-  s.watchdog.set_witness(std::move(names_the_gone));
-  struct Calm {  // however this ends, the watchdog does not end the job for it
-    Watchdog& watchdog;
-    ~Calm() {
-      watchdog.disarm();
-      watchdog.set_witness({});
-    }
-  } const calm{s.watchdog};
+  LoadingSteps steps(s.watchdog, s.rank == kHostRank, std::move(names_the_gone));
   uint64_t size = block.size();
-  s.collective("the scene's size", [&] { return MPI_Bcast(&size, 1, MPI_UINT64_T, kHostRank, s.comm); });
+  steps.run("the scene's size", [&] { return MPI_Bcast(&size, 1, MPI_UINT64_T, kHostRank, s.comm); });
 
   // One leader a machine takes part in the broadcast over the net; the host leads its own.
   MPI_Comm machine = MPI_COMM_NULL, leaders = MPI_COMM_NULL;
-  s.collective("grouping by machine", [&] {
+  steps.run("grouping by machine", [&] {
     return MPI_Comm_split_type(s.comm, MPI_COMM_TYPE_SHARED, s.rank, MPI_INFO_NULL, &machine);
   });
   MPI_Comm_set_errhandler(machine, MPI_ERRORS_RETURN);
@@ -160,7 +138,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
   // Only the machine's leader knows whether its memory is there.
   const auto agree = [&](bool leader_says) {
     int is_shared = leader_says ? 1 : 0;
-    s.collective("choosing the memory", [&] { return MPI_Bcast(&is_shared, 1, MPI_INT, 0, machine); });
+    steps.run("choosing the memory", [&] { return MPI_Bcast(&is_shared, 1, MPI_INT, 0, machine); });
     return is_shared != 0;
   };
   std::unique_ptr<SharedBlock> result;
@@ -172,7 +150,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
     MPI_Win window = MPI_WIN_NULL;
     std::byte* own = nullptr;
     const size_t window_bytes = size + 2 * kDataWordBytes;
-    s.collective("making shared memory", [&] {
+    steps.run("making shared memory", [&] {
       return MPI_Win_allocate_shared(machine_rank == 0 ? static_cast<MPI_Aint>(window_bytes) : 0, 1,
                                      MPI_INFO_NULL, machine, &own, &window);
     });
@@ -189,7 +167,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
       if (machine_rank == 0) std::atomic_ref(*progress).store(0);
       result = std::make_unique<WindowBlock>(target, size);
     } else {
-      s.collective("giving shared memory back", [&] { return MPI_Win_free(&window); });
+      steps.run("giving shared memory back", [&] { return MPI_Win_free(&window); });
     }
   }
   if (!is_shared) {
@@ -210,8 +188,8 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
 
   // With a shared copy only leaders receive; without, every process does.
   const bool receives = is_shared ? machine_rank == 0 : !lacks_memory;
-  s.collective("choosing the receivers",
-               [&] { return MPI_Comm_split(s.comm, receives ? 0 : MPI_UNDEFINED, s.rank, &leaders); });
+  steps.run("choosing the receivers",
+            [&] { return MPI_Comm_split(s.comm, receives ? 0 : MPI_UNDEFINED, s.rank, &leaders); });
   if (receives) {
     MPI_Comm_set_errhandler(leaders, MPI_ERRORS_RETURN);
     Bytes message;
@@ -223,7 +201,7 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
       } else {
         message.resize(kLoadHeaderBytes + length);
       }
-      s.collective("broadcasting the scene", [&] {
+      steps.run("broadcasting the scene", [&] {
         return MPI_Bcast(message.data(), to_mpi_count(message.size()), MPI_BYTE, kHostRank, leaders);
       });
       const LoadData data = decode_load_data(message);
@@ -234,8 +212,8 @@ std::unique_ptr<SharedBlock> MpiSession::load_data(std::span<const std::byte> bl
       if (s.rank == kHostRank) is_sent(offset + length);
     }
   }
-  s.wait_for_machine(machine, progress);
-  s.collective("the end of loading", [&] { return MPI_Barrier(s.comm); });
+  State::wait_for_machine(machine, progress, steps);
+  steps.run("the end of loading", [&] { return MPI_Barrier(s.comm); });
   if (lacks_memory) throw std::runtime_error("there is no memory for its copy of the scene");
   return result;
 }

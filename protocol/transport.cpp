@@ -39,6 +39,19 @@ void Transport::send(NodeId to, Channel channel, Bytes bytes) {
 
 void Transport::broadcast(Channel channel, Bytes bytes) {
   count(kHost, Direction::to_node, channel, bytes);
+  send_to_all(channel, std::move(bytes));
+}
+
+void Transport::load_code(Bytes message, std::function<std::string()> names_the_gone) {
+  count(kHost, Direction::to_node, Channel::command, message);
+  do_load_code(std::move(message), std::move(names_the_gone));
+}
+
+void Transport::do_load_code(Bytes message, std::function<std::string()>) {
+  send_to_all(Channel::command, std::move(message));
+}
+
+void Transport::send_to_all(Channel channel, Bytes bytes) {
   const auto shared = std::make_shared<const Bytes>(std::move(bytes));
   for (NodeId node(1); node.value() <= node_count(); ++node) send_parcel(node, channel, shared);
 }

@@ -3,6 +3,7 @@
 // two ends, never block, and may lose what is sent to a process that is gone. Any thread may send; one
 // receives.
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -52,6 +53,10 @@ class Transport {
   void send(NodeId to, const Control& control) { send(to, Channel::control, encode_control(control)); }
   /// The host sends to every node; counted once.
   void broadcast(Channel channel, Bytes bytes);
+  /// The host gives every node its load code (see encode_load_code); counted once. Where the nodes pass it on
+  /// among each other, one that is lost meanwhile ends the job, at once if `names_the_gone` (see Watchdog)
+  /// names it.
+  void load_code(Bytes message, std::function<std::string()> names_the_gone);
   /// A part of a broadcast, to one node, in its own time; counted for the first of them.
   void send_of_broadcast(NodeId to, Channel channel, std::shared_ptr<const Bytes> bytes, bool is_first);
   /// What was sent to a node and has not been taken up there. An estimate: what the net holds may count as
@@ -81,9 +86,11 @@ class Transport {
   /// All that this end has to do with have lower places: the host with all nodes, a node with its host.
   size_t peers() const { return is_host() ? static_cast<size_t>(nodes_) + 1 : 1; }
   virtual void do_send(NodeId to, Channel channel, Parcel parcel) = 0;
+  virtual void do_load_code(Bytes message, std::function<std::string()> names_the_gone);
   virtual std::optional<Message> do_try_receive() = 0;
 
  private:
+  void send_to_all(Channel channel, Bytes bytes);
   void send_parcel(NodeId to, Channel channel, Parcel parcel);
   void count(NodeId node, Direction direction, Channel channel, std::span<const std::byte> bytes);
   int nodes_;

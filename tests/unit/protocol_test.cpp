@@ -292,7 +292,7 @@ TEST(LocalTransport, OrderAndMeter) {
   const auto ends = make_local_transports(2);
   ends[0]->send(NodeId(1), SelectStep{StepIndex(5)});
   ends[0]->send(NodeId(1), Channel::command, encode_display_polygon(0, {0, 0, 7, 7}));
-  ends[0]->broadcast(Channel::command, encode_load_code(Bytes(4)));
+  ends[0]->load_code(encode_load_code(Bytes(4)), {});
   EXPECT_EQ(std::get<SelectStep>(decode_control(ends[1]->try_receive()->bytes)).step, StepIndex(5));
   EXPECT_EQ(command_of(ends[1]->try_receive()->bytes), Command::load_display_polygon);
   EXPECT_EQ(command_of(ends[2]->try_receive()->bytes), Command::load_code);
