@@ -1,22 +1,33 @@
 #include "protocol/liveness.h"
 
 #include <fmt/core.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <filesystem>
 #include <mutex>
+#include <optional>
 
 #include "protocol/build_identity.h"
 #include "protocol/clock.h"
 
 namespace rayfarm {
 
+namespace {
+
+/// The file that a process runs, also after it was removed: one call of the system. Nothing if it runs none.
+std::optional<std::pair<dev_t, ino_t>> program_of(const std::string& process) {
+  struct stat file {};
+  if (stat(("/proc/" + process + "/exe").c_str(), &file) != 0) return std::nullopt;
+  return std::pair(file.st_dev, file.st_ino);
+}
+
+}  // namespace
+
 bool runs_this_program(uint32_t pid) {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", error);
-  return !error && program == std::filesystem::read_symlink("/proc/self/exe", error) && !error;
+  static const auto own = program_of("self");
+  return own && program_of(std::to_string(pid)) == own;
 }
 
 double ListeningClock::turn(double now_s) {

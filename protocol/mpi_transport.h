@@ -32,6 +32,8 @@ class MpiTransport : public Transport {
   Departures<MPI_Request> departures_;
   Arrivals<MPI_Request> arrivals_;
   int taken_ = 0;  ///< since arrivals were last taken up
+  bool has_taken_all_ =
+      false;  ///< the last look for messages found no more, and what it found was not asked for
 };
 
 }  // namespace rayfarm
