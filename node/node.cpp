@@ -58,6 +58,7 @@ class Node {
   /// From now on the node works by `plan`, which must outlive it.
   void begin(const JobPlan& plan) {
     plan_ = &plan;
+    transport_.set_beat_s(plan.beat_s);
     host_heard_ = listening_.now();
   }
 
@@ -142,7 +143,7 @@ class Node {
   /// Silence alone ends nothing soon: a host that was stopped may go on.
   void doubt_host() {
     const double silence = listening_.now() - host_heard_;
-    if (silence < liveness::kHostDoubt_s) return;
+    if (silence < liveness::kHostDoubtBeats * transport_.beat_s()) return;
     const std::string host =
         host_.pid() ? fmt::format("its host (process {} on {})", host_.pid(), host_.machine()) : "its host";
     if (host_.is_gone()) throw HostGone{host + " is gone"};

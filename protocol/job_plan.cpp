@@ -49,6 +49,7 @@ Bytes encode_plan(const JobPlan& plan) {
                             (plan.pictures.passes > 1 ? kPasses : 0)));
   w.u32(static_cast<uint32_t>(plan.processors));
   w.u32(static_cast<uint32_t>(plan.host_timeout_s * 1000));
+  w.u32(static_cast<uint32_t>(plan.beat_s * 1000));
   w.varint(static_cast<uint64_t>(plan.ray_time_s * kTicksPerSecond));
   w.varint(plan.time_factors.size());
   for (const double factor : plan.time_factors) w.varint(static_cast<uint64_t>(factor * kFactorUnit));
@@ -74,6 +75,9 @@ JobPlan decode_plan(std::span<const std::byte> bytes) {
   if (plan.processors < 1 || plan.processors > kMostProcessors)
     throw ProtocolError("a plan for no processor, or for too many");
   plan.host_timeout_s = r.u32() / 1000.0;
+  plan.beat_s = r.u32() / 1000.0;
+  if (plan.beat_s < liveness::kBeat_s || plan.beat_s > liveness::kMostBeat_s)
+    throw ProtocolError("a plan of hearts that beat too fast or too seldom");
   plan.ray_time_s = static_cast<double>(r.varint()) / kTicksPerSecond;
   const uint64_t factors = r.varint();
   if (factors > bytes.size()) throw ProtocolError("a plan has more time factors than bytes");

@@ -25,6 +25,7 @@ struct JobPlan {
   bool compresses = true;  ///< blocks, whose pixels are RGB8
   int processors = 1;
   double host_timeout_s = liveness::kLongSilence_s;  ///< a node ends if its host is silent for so long
+  double beat_s = liveness::kBeat_s;                 ///< of the hearts of all (see liveness::beat_s)
   SetPattern sets = SetPattern::lattice;             ///< interleaved: of each node's own subpolygons
   bool rotates = true;                               ///< interleaved: sets move on from step to step
   double ray_time_s = 0;                             ///< emulated processors: what a ray takes at least

@@ -1,22 +1,33 @@
 #include "protocol/liveness.h"
 
 #include <fmt/core.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <filesystem>
 #include <mutex>
+#include <optional>
 
 #include "protocol/build_identity.h"
 #include "protocol/clock.h"
 
 namespace rayfarm {
 
+namespace {
+
+/// The file that a process runs, also after it was removed: one call of the system. Nothing if it runs none.
+std::optional<std::pair<dev_t, ino_t>> program_of(const std::string& process) {
+  struct stat file {};
+  if (stat(("/proc/" + process + "/exe").c_str(), &file) != 0) return std::nullopt;
+  return std::pair(file.st_dev, file.st_ino);
+}
+
+}  // namespace
+
 bool runs_this_program(uint32_t pid) {
-  std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", error);
-  return !error && program == std::filesystem::read_symlink("/proc/self/exe", error) && !error;
+  static const auto own = program_of("self");
+  return own && program_of(std::to_string(pid)) == own;
 }
 
 double ListeningClock::turn(double now_s) {
@@ -63,19 +74,34 @@ void Heart::beat(NodeId to) {
   }
 }
 
+double Heart::beat_where_due() {
+  // A little earlier than is due, so that many ends need no wake each.
+  const double beat_s = transport_.beat_s(), slack_s = beat_s / 16, now = now_s();
+  double next = now + liveness::kBeat_s;  // the plan of the job may say another period
+  const auto look_at = [&](NodeId end) {
+    double due = transport_.last_sent_s(end) + beat_s - slack_s;
+    if (due <= now) {
+      beat(end);
+      due = now + beat_s - slack_s;
+    }
+    next = std::min(next, due);
+  };
+  if (transport_.is_host()) {
+    for (NodeId node(1); node.value() <= transport_.node_count(); ++node) look_at(node);
+  } else {
+    look_at(kHost);
+  }
+  return std::max(next - now, slack_s);
+}
+
 void Heart::beat_until(const std::stop_token& end) {
   std::mutex mutex;
   std::condition_variable_any changed;
   std::unique_lock lock(mutex);
-  while (true) {
-    changed.wait_for(lock, end, std::chrono::duration<double>(liveness::kBeat_s), [] { return false; });
-    if (end.stop_requested()) return;
-    if (now_s() - transport_.last_turn_s() > stuck_s_) continue;
-    if (transport_.is_host()) {
-      for (NodeId node(1); node.value() <= transport_.node_count(); ++node) beat(node);
-    } else {
-      beat(kHost);
-    }
+  while (!end.stop_requested()) {
+    const bool is_stuck = now_s() - transport_.last_turn_s() > stuck_s_;
+    const double wait_s = is_stuck ? liveness::kBeat_s : beat_where_due();
+    changed.wait_for(lock, end, std::chrono::duration<double>(wait_s), [] { return false; });
   }
 }
 

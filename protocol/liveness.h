@@ -46,6 +46,8 @@ class ProcessSign {
   /// True if the process was seen here once, running this program, and is gone now. Processes of other
   /// machines, or of other containers, are never seen.
   bool is_gone() const;
+  /// False: it was never seen, and will never be gone.
+  bool tells() const { return was_seen_; }
   const std::string& machine() const { return machine_; }
   uint32_t pid() const { return pid_; }
 
@@ -61,13 +63,16 @@ std::function<std::string()> make_witness(std::vector<std::pair<std::string, Pro
                                           double grace_s);
 
 /// Tells the other side that this process is alive, the host every node, a node its host, as long as it
-/// exists and the transport's own thread takes a turn within `stuck_s`.
+/// exists and the transport's own thread takes a turn within `stuck_s`. Who was sent something else within
+/// Transport::beat_s() knows it.
 class Heart {
  public:
   explicit Heart(Transport& transport, double stuck_s = liveness::kStuck_s);
 
  private:
   void beat(NodeId to);
+  /// Returns how long to wait before the next time.
+  double beat_where_due();
   void beat_until(const std::stop_token& end);
   Transport& transport_;
   double stuck_s_;

@@ -2,7 +2,7 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <deque>
+#include <list>
 #include <mutex>
 
 namespace rayfarm {
@@ -11,10 +11,15 @@ namespace {
 /// The inboxes of all ends.
 struct Hub {
   explicit Hub(int nodes) : inboxes(static_cast<size_t>(nodes) + 1) {}
+  struct Letter {
+    NodeId source;
+    Channel channel;
+    Parcel parcel;
+  };
   struct Inbox {
     std::mutex mutex;
     std::condition_variable came;
-    std::deque<Message> messages;
+    std::list<Letter> messages;
     size_t bytes = 0;  ///< of all messages
   };
   std::vector<Inbox> inboxes;
@@ -22,10 +27,8 @@ struct Hub {
 
 class LocalTransport : public Transport {
  public:
-  LocalTransport(std::shared_ptr<Hub> hub, NodeId self) : hub_(std::move(hub)), self_(self) {
-    if (self == kHost) own_meter(node_count());
-  }
-  int node_count() const override { return static_cast<int>(hub_->inboxes.size()) - 1; }
+  LocalTransport(const std::shared_ptr<Hub>& hub, NodeId self)
+      : Transport(static_cast<int>(hub->inboxes.size()) - 1, self), hub_(hub), self_(self) {}
   bool is_one_process() const override { return true; }
   size_t unsent_bytes(NodeId to) override {
     Hub::Inbox& inbox = hub_->inboxes.at(to.place());
@@ -40,23 +43,26 @@ class LocalTransport : public Transport {
   }
 
  protected:
-  void do_send(NodeId to, Channel channel, Bytes bytes) override {
+  void do_send(NodeId to, Channel channel, Parcel parcel) override {
     Hub::Inbox& inbox = hub_->inboxes.at(to.place());
     {
       const std::lock_guard lock(inbox.mutex);
-      inbox.bytes += bytes.size();
-      inbox.messages.push_back({self_, channel, std::move(bytes)});
+      inbox.bytes += parcel.bytes().size();
+      inbox.messages.push_back({self_, channel, std::move(parcel)});
     }
     inbox.came.notify_one();
   }
   std::optional<Message> do_try_receive() override {
     Hub::Inbox& inbox = hub_->inboxes[self_.place()];
-    const std::lock_guard lock(inbox.mutex);
-    if (inbox.messages.empty()) return std::nullopt;
-    Message message = std::move(inbox.messages.front());
-    inbox.messages.pop_front();
-    inbox.bytes -= message.bytes.size();
-    return message;
+    std::list<Hub::Letter> taken;  // a broadcast's bytes are copied while nobody waits for the inbox
+    {
+      const std::lock_guard lock(inbox.mutex);
+      if (inbox.messages.empty()) return std::nullopt;
+      taken.splice(taken.begin(), inbox.messages, inbox.messages.begin());
+      inbox.bytes -= taken.front().parcel.bytes().size();
+    }
+    Hub::Letter& letter = taken.front();
+    return Message{letter.source, letter.channel, letter.parcel.take()};
   }
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 // The data of a phase on their way from the host to all nodes: in chunks, each node as fast as it takes them,
 // so that neither a large stage nor a node that is silent fills the host's memory with messages.
+#include <memory>
 #include <vector>
 
 #include "protocol/transport.h"
@@ -14,7 +15,7 @@ class DataFeed {
   static constexpr size_t kMostUnsentBytes = 4 * kChunkBytes;
 
   DataFeed(Transport& transport, uint64_t address, Bytes data);
-  /// Sends what nodes have room for. False: nobody had room, or all have all.
+  /// Sends what the next nodes have room for. False: none of these had room, or all have all.
   bool turn();
   /// A node gets nothing more.
   void leave_out(NodeId node) { sent_[node.place()] = data_.size(); }
@@ -22,11 +23,16 @@ class DataFeed {
 
  private:
   bool feed(NodeId node);
+  /// The message that begins at `offset` of the data. Nodes that are as far share it while it is on its way.
+  std::shared_ptr<const Bytes> chunk(size_t offset);
   Transport& transport_;
   uint64_t address_;
   Bytes data_;
-  std::vector<size_t> sent_;  ///< by node: bytes
-  size_t furthest_ = 0;       ///< bytes that some node was sent
+  std::vector<size_t> sent_;     ///< by node: bytes
+  std::vector<NodeId> lacking_;  ///< nodes that were not sent all
+  size_t next_ = 0;              ///< of these, whose turn it is
+  std::vector<std::weak_ptr<const Bytes>> chunks_;
+  size_t furthest_ = 0;  ///< bytes that some node was sent
 };
 
 /// A node's end.

@@ -2,6 +2,8 @@
 // All limits in time of the farm, in seconds, and what each depends on. Those of silence count time in which
 // one listened (see ListeningClock).
 
+#include <algorithm>
+
 namespace rayfarm::liveness {
 
 // What a job must live through.
@@ -27,8 +29,13 @@ static_assert(kLongestNap_s < kPoll_s && kPoll_s < kLongestTurn_s);
 
 // Silence.
 
-/// Of the heart: twice in the shortest silence that a user may set.
+/// Who lives says something at least so often, the heart if nothing else is to be said: twice in the shortest
+/// silence that a user may set. Among many, see beat_s().
 inline constexpr double kBeat_s = 1;
+/// Beats that a host hears a second, and as many that it sends, where patience allows it.
+inline constexpr double kMostBeatsPerSecond = 1000;
+/// The longest of any number of nodes.
+inline constexpr double kMostBeat_s = 8;
 /// The shortest `--node-timeout`.
 inline constexpr double kLeastNodeTimeout_s = 2 * kBeat_s;
 /// The longest.
@@ -38,8 +45,8 @@ inline constexpr double kMostNodeTimeout_s = 3600;
 inline constexpr double kNodeTimeout_s = 8 * kBeat_s;
 /// An idle node helps with what another has had in hand for so long since it last returned something.
 inline constexpr double kHelp_s = 1;
-/// A node doubts a host that is silent for longer, and ends if its process is gone: six beats.
-inline constexpr double kHostDoubt_s = 6 * kBeat_s;
+/// A node doubts a host that is silent for longer than so many beats, and ends if its process is gone.
+inline constexpr double kHostDoubtBeats = 6;
 /// What no other sign confirms is believed after this long silence only: three times the longest stop.
 inline constexpr double kLongSilence_s = 3 * kLongestStop_s;
 /// All nodes are silent, but not known to be gone: the host waits so long for one to speak again. Longer than
@@ -51,9 +58,18 @@ inline constexpr double kStuck_s = 600;
 static_assert(kLook_s < kBeat_s && kTick_s < kBeat_s);
 static_assert(kLongestTurn_s < kBeat_s, "a pause of one's own counts as less than a missed beat");
 static_assert(kLeastNodeTimeout_s <= kNodeTimeout_s && kNodeTimeout_s <= kMostNodeTimeout_s);
-static_assert(kHostDoubt_s < kLongSilence_s);
-static_assert(kAllSilent_s > kLongestStop_s + kBeat_s);
+static_assert(kHostDoubtBeats * kMostBeat_s < kLongSilence_s);
+static_assert(kAllSilent_s > kLongestStop_s + kMostBeat_s);
 static_assert(kStuck_s > kLongSilence_s);
+
+/// How often who lives says something in a job of so many nodes: more seldom the more there are, but four
+/// times in the silence that is taken for a loss, if that is no shorter than by default.
+constexpr double beat_s(int nodes, double node_timeout_s = kNodeTimeout_s) {
+  const double most = std::max(kBeat_s, std::min(kMostBeat_s, node_timeout_s / 4));
+  return std::clamp(nodes / kMostBeatsPerSecond, kBeat_s, most);
+}
+static_assert(beat_s(1 << 20, kLeastNodeTimeout_s) * 2 <= kLeastNodeTimeout_s);
+static_assert(beat_s(1 << 20) * 4 <= kNodeTimeout_s);
 
 // Loading: nobody can do without anybody.
 
@@ -66,7 +82,7 @@ inline constexpr double kGraceForHost_s = 3;
 /// MPI starts so many processes within a step; each beyond them, that shares cores with others, adds this.
 inline constexpr int kStartTogether = 8;
 inline constexpr double kStartOfProcess_s = 0.5;
-static_assert(kLoadingStep_s > kLongestStop_s + kBeat_s);
+static_assert(kLoadingStep_s > kLongestStop_s + beat_s(1 << 20), "the plan, which may say more, comes last");
 static_assert(kLoadingStepOfNodes_s < kLoadingLoss_s);
 static_assert(kGraceForHost_s > kLook_s);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -37,6 +38,8 @@ FarmHost::FarmHost(Transport& transport, const FarmHostOptions& options, JobResu
       pictures_(transport, options, result, tell_, assignment_),
       zones_(transport, options.plan, result, assignment_),
       progress_(options.progress, pixels_of(options)) {
+  for (size_t i = 0; i < options_.signs.size(); ++i)
+    if (options_.signs[i].tells()) watched_.emplace_back(static_cast<int>(i) + 1);
   for (Watcher* const watcher : options_.watchers) watcher->begin({options_.image, options_.files});
 }
 
@@ -129,10 +132,7 @@ void FarmHost::run_phase(PhaseHost& phase, uint64_t address, Bytes data) {
   while (!assignment_.is_over() && !is_over_) {
     const double now = listening_.turn(now_s());
     const bool has_fed = feed_->turn(), has_come = take_messages(now);
-    if (now - looked_s_ > liveness::kLook_s) {
-      expel_the_gone(now);
-      looked_s_ = now;
-    }
+    expel_the_gone(now);
     if (now - ticked_s_ > liveness::kTick_s) {
       assignment_.tick(now);
       ticked_s_ = now;
@@ -202,9 +202,16 @@ void FarmHost::expel(NodeId node, const std::string& problem, double now) {
   feed_->leave_out(node);
 }
 
+/// Looks at each within kLook_s, a few a turn: a look at the process table takes as long as a message.
 void FarmHost::expel_the_gone(double now) {
-  for (size_t i = 0; i < options_.signs.size(); ++i)
-    if (options_.signs[i].is_gone()) expel(NodeId(static_cast<int>(i) + 1), "its process is gone", now);
+  if (watched_.empty()) return;
+  const double step_s = liveness::kLook_s / static_cast<double>(watched_.size());
+  looked_s_ = std::max(looked_s_, now - liveness::kLook_s);  // each once, after a long turn
+  for (; looked_s_ + step_s <= now; looked_s_ += step_s) {
+    next_watched_ = (next_watched_ + 1) % watched_.size();
+    const NodeId node = watched_[next_watched_];
+    if (options_.signs[node.place() - 1].is_gone()) expel(node, "its process is gone", now);
+  }
 }
 
 void FarmHost::receive_control(NodeId node, const Control& control, double now) {

@@ -55,9 +55,12 @@ class FarmHost {
   uint32_t next_number_ = 0;      ///< of the phase that will begin next
   std::optional<DataFeed> feed_;  ///< of the phase at work
   Progress progress_;
+  std::vector<NodeId> watched_;  ///< processes of this machine
+  size_t next_watched_ = 0;
   double phase_began_s_ = 0;  ///< see now_s, as all these
   double traced_s_ = 0;       ///< when the last pixels came
-  double ticked_s_ = 0, looked_s_ = 0, watchers_told_s_ = 0;
+  double looked_s_ = 0;       ///< until when watched_ was looked through
+  double ticked_s_ = 0, watchers_told_s_ = 0;
   bool is_waiting_for_any_ = false;  ///< all nodes are lost, and it was told
   bool is_over_ = false;
 };

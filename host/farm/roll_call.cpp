@@ -3,8 +3,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <algorithm>
-
 #include "host/process/exit_code.h"
 #include "host/process/interrupt.h"
 #include "protocol/build_identity.h"
@@ -27,6 +25,7 @@ void RollCall::serve() {
   listening_.turn(now_s());
   while (auto message = transport_.try_receive()) {
     const auto i = message->source.place() - 1;
+    if (heard_[i] < 0) ++reported_;
     heard_[i] = listening_.now();
     if (message->channel != Channel::control) continue;
     const Control control = decode_control(message->bytes);
@@ -64,10 +63,6 @@ void RollCall::judge(size_t i) {
             "again, without the machine that failed",
             i + 1, node.machine, node.pid,
             is_gone ? "its process is gone" : fmt::format("silent for {:g} s", liveness::kLoadingStep_s)));
-}
-
-bool RollCall::all_reported() const {
-  return std::all_of(heard_.begin(), heard_.end(), [](double t) { return t >= 0; });
 }
 
 std::function<std::string()> RollCall::make_node_witness() const {

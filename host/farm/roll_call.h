@@ -20,7 +20,7 @@ class RollCall {
 
   /// One turn. Throws JobError if a node is lost or of another build, or if the user stopped the job.
   void serve();
-  bool all_reported() const;
+  bool all_reported() const { return reported_ == heard_.size(); }
 
   /// Of the nodes that are other processes, in order; empty if they are threads of this one.
   const std::vector<ProcessSign>& signs() const { return signs_; }
@@ -33,6 +33,7 @@ class RollCall {
   JobResult& result_;
   ListeningClock listening_;
   std::vector<double> heard_;  ///< by the listening clock; below 0: never
+  size_t reported_ = 0;        ///< how many were heard
   std::vector<ProcessSign> signs_;
   double looked_s_ = 0;
 };

@@ -102,6 +102,7 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   plan.ray_time_s = options.ray_time_s;
   // Who waits longer for nodes has a slower net, on which nodes wait longer for their host.
   plan.host_timeout_s = std::max(plan.host_timeout_s, options.node_timeout_s);
+  plan.beat_s = liveness::beat_s(processors, options.node_timeout_s);
   plan.time_factors = options.time_factors;
   return plan;
 }

@@ -272,7 +272,8 @@ class Render {
     make_output_folders(options_);
 
     const double broadcast_begin = now_s();
-    farm_.transport.broadcast(Channel::command, encode_load_code(encode_plan(plan)));
+    farm_.transport.set_beat_s(plan.beat_s);
+    farm_.transport.load_code(encode_load_code(encode_plan(plan)), roll_call.make_node_witness());
     // Zones and files of baked light look at the scene here, too; else the host has no use for it any more,
     // and its bytes go as the nodes' copies come.
     const bool is_spent =

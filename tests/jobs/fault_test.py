@@ -142,6 +142,21 @@ class LostWhileLoading(JobTestAlone):
         self.assertLess(result.seconds, 8)
 
 
+    def test_killed_when_load_code_has_been_sent(self):
+        # It hears nothing of the code, which others may have to get from it; then it is gone.
+        scene = write_big_scene(self, 1300)
+        job = Job(5, "render", scene, "-o", self.folder / "big.png", "--progress", "none", "--size", "64x64")
+        pid = job.pid_of_rank(2)
+        time.sleep(0.8)  # MPI has started: the host builds, the nodes wait
+        os.kill(pid, signal.SIGSTOP)
+        time.sleep(6)  # the host has built
+        os.kill(pid, signal.SIGKILL)
+        result = job.wait(40)
+        self.assertEqual(result.code, 1, result.stderr)
+        self.assertRegex(result.stderr, f"node 2 .*process {pid}.* lost while loading")
+        self.assertLess(result.seconds, 14)
+
+
 class SmallSharedMemory(JobTest):
     def test_every_process_holds_a_copy(self):
         # A mount of its own, 24 MB: MPI's buffers fit, the scene's block does not. Needs root.

@@ -91,6 +91,53 @@ TEST(Heart, BeatsWhileTheProcessComputes) {
   EXPECT_EQ(beats(*ends[2]), 2);
 }
 
+TEST(Heart, WhoIsToldSomethingElseIsToldNoMore) {
+  const auto ends = make_local_transports(2);
+  const auto beats = [](Transport& end) {
+    std::map<NodeId, int> heard;
+    while (const auto message = end.try_receive())
+      heard[message->source] += std::holds_alternative<Alive>(decode_control(message->bytes)) ? 1 : 0;
+    return heard;
+  };
+  {
+    const Heart host(*ends[0]), talks(*ends[1]), waits(*ends[2]);
+    for (int i = 0; i < 25; ++i) {
+      usleep(100'000);
+      ends[0]->send(NodeId(1), AskPresent{});
+      ends[1]->send(kHost, Present{});
+    }
+  }
+  std::map<NodeId, int> at_host = beats(*ends[0]);
+  EXPECT_EQ(at_host[NodeId(1)], 0);
+  EXPECT_EQ(at_host[NodeId(2)], 2);
+  EXPECT_EQ(beats(*ends[1])[kHost], 0);
+  EXPECT_EQ(beats(*ends[2])[kHost], 2);
+}
+
+TEST(Heart, BeatsAsOftenAsThePlanSays) {
+  const auto ends = make_local_transports(1);
+  ends[1]->set_beat_s(0.25);
+  {
+    const Heart node(*ends[1]);
+    usleep(1'200'000);
+  }
+  int beats = 0;
+  while (ends[0]->try_receive()) ++beats;
+  EXPECT_GE(beats, 4);
+  EXPECT_LE(beats, 5);
+}
+
+TEST(Beat, IsRarerTheMoreThereAreAndFourTimesInASilenceThatCounts) {
+  EXPECT_EQ(liveness::beat_s(1), 1);
+  EXPECT_EQ(liveness::beat_s(1000), 1);
+  EXPECT_EQ(liveness::beat_s(1500), 1.5);
+  EXPECT_EQ(liveness::beat_s(16'383), 2) << "a quarter of 8 s";
+  EXPECT_EQ(liveness::beat_s(16'383, 2), 1) << "half of 2 s, as for few";
+  EXPECT_EQ(liveness::beat_s(16'383, 16), 4);
+  EXPECT_EQ(liveness::beat_s(16'383, 3600), 8);
+  EXPECT_EQ(liveness::beat_s(3000, 3600), 3);
+}
+
 TEST(Heart, FallsSilentWhenTheProcessHangs) {
   const auto ends = make_local_transports(2);
   ends[1]->try_receive();

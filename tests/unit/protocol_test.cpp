@@ -81,12 +81,17 @@ TEST(Messages, ThereAndBack) {
   plan.sets = SetPattern::rows;
   plan.ray_time_s = 0.00025;
   plan.time_factors = {1, 0.5, 2};
+  plan.beat_s = 2.5;
   plan.settings = payload;
   const JobPlan plan_back = decode_plan(decode_load_code(encode_load_code(encode_plan(plan))));
   EXPECT_EQ(plan_back.pictures.frames, plan.pictures.frames);
   EXPECT_FALSE(plan_back.rotates);
   EXPECT_EQ(plan_back.sets, SetPattern::rows);
   EXPECT_NEAR(plan_back.ray_time_s, 0.00025, 1e-12);
+  EXPECT_EQ(plan_back.beat_s, 2.5);
+  JobPlan without_beats = plan;
+  without_beats.beat_s = 0;
+  EXPECT_THROW(decode_plan(encode_plan(without_beats)), ProtocolError);
   EXPECT_EQ(plan_back.time_factors, plan.time_factors);
   EXPECT_EQ(plan_back.wire, Wire::pixel);
   EXPECT_EQ(plan_back.pictures.passes, 1);
@@ -287,7 +292,7 @@ TEST(LocalTransport, OrderAndMeter) {
   const auto ends = make_local_transports(2);
   ends[0]->send(NodeId(1), SelectStep{StepIndex(5)});
   ends[0]->send(NodeId(1), Channel::command, encode_display_polygon(0, {0, 0, 7, 7}));
-  ends[0]->broadcast(Channel::command, encode_load_code(Bytes(4)));
+  ends[0]->load_code(encode_load_code(Bytes(4)), {});
   EXPECT_EQ(std::get<SelectStep>(decode_control(ends[1]->try_receive()->bytes)).step, StepIndex(5));
   EXPECT_EQ(command_of(ends[1]->try_receive()->bytes), Command::load_display_polygon);
   EXPECT_EQ(command_of(ends[2]->try_receive()->bytes), Command::load_code);
