@@ -27,11 +27,11 @@ void expect_mesh_error(const std::string& name, const std::string& bytes, const 
 }
 
 /// Numbers as the bytes of a PLY file.
-class Bytes {
+class PlyBytes {
  public:
-  explicit Bytes(std::endian endian) : endian_(endian) {}
+  explicit PlyBytes(std::endian endian) : endian_(endian) {}
   template <typename T>
-  Bytes& add(T value) {
+  PlyBytes& add(T value) {
     auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
     if (endian_ != std::endian::native) std::reverse(bytes.begin(), bytes.end());
     text.append(bytes.data(), bytes.size());
@@ -71,7 +71,7 @@ TEST(Ply, TextAndBothOrdersOfBytesAreTheSameMesh) {
   test::expect_note(text, "a.ply:5:", "of element 'vertex' is not used: `spare`");
   test::expect_note(text, "a.ply:13:", "of element 'face' is not used: `quality`, `other`");
   for (const std::endian endian : {std::endian::little, std::endian::big}) {
-    Bytes bytes(endian);
+    PlyBytes bytes(endian);
     for (const auto& [x, y, z, r, g, b] : {std::tuple(0.0, 0, 0.0f, 255, 0, 0),
                                            {1.0, 0, 0.0f, 0, 255, 0},
                                            {1.0, 1, 0.5f, 0, 0, 255},
@@ -108,7 +108,7 @@ TEST(Ply, HeadersMayEndLinesAsTheyLike) {
   const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" + kFloats +
                            "element face 1\n" + kIndices + "end_header\n";
   // The first byte of the body is a line feed, too: 0x0a of a float.
-  Bytes bytes(std::endian::little);
+  PlyBytes bytes(std::endian::little);
   for (const uint32_t word : {0x3f80000au, 0u, 0u, 0u, 0x3f800000u, 0u, 0u, 0u, 0x3f800000u}) bytes.add(word);
   bytes.add(uint8_t{3}).add(int32_t{2}).add(int32_t{1}).add(int32_t{0});
   for (const std::string end : {"\n", "\r\n", "\r"}) {
@@ -245,7 +245,7 @@ TEST(MeshTables, AreTheSameHoweverTextIsCut) {
 TEST(MeshTables, ManyChunksAreOneMesh) {
   // A strip of 200,000 quadrilaterals: more rows than a chunk has.
   constexpr uint32_t kCount = 200'000;
-  Bytes bytes(std::endian::big);
+  PlyBytes bytes(std::endian::big);
   for (uint32_t i = 0; i < 2 * kCount + 2; ++i)
     bytes.add(static_cast<float>(i / 2)).add(static_cast<float>(i % 2)).add(0.0f);
   for (uint32_t i = 0; i < kCount; ++i) {
