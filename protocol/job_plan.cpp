@@ -15,7 +15,9 @@ void write_pictures(ByteWriter& w, const PicturesPhase& phase) {
   w.varint(phase.frames.size());
   for (const FrameNumber frame : phase.frames) w.u32(static_cast<uint32_t>(frame.value()));
   const SubpolygonGrid& g = phase.grid;
-  for (const int v : {g.left, g.top, g.width, g.height, g.columns, g.rows}) w.u32(static_cast<uint32_t>(v));
+  for (const int v :
+       {g.left, g.top, g.width, g.height, g.columns, g.rows, g.small_height, g.small_columns, g.small_rows})
+    w.u32(static_cast<uint32_t>(v));
 }
 
 PicturesPhase read_pictures(ByteReader& r, size_t plan_bytes) {
@@ -24,15 +26,20 @@ PicturesPhase read_pictures(ByteReader& r, size_t plan_bytes) {
   if (frames > plan_bytes / 4) throw ProtocolError("a plan has more frames than bytes");
   for (uint64_t i = 0; i < frames; ++i) phase.frames.emplace_back(static_cast<int>(r.u32()));
   SubpolygonGrid& g = phase.grid;
-  for (int* v : {&g.left, &g.top, &g.width, &g.height, &g.columns, &g.rows}) {
+  for (int* v : {&g.left, &g.top, &g.width, &g.height, &g.columns, &g.rows, &g.small_height, &g.small_columns,
+                 &g.small_rows}) {
     const uint32_t value = r.u32();
     if (value > 65536) throw ProtocolError("a plan's grid is out of range");
     *v = static_cast<int>(value);
   }
-  if (g.columns < 1 || g.rows < 1 || g.width < g.columns || g.height < g.rows)
+  const bool has_small = g.small_height > 0;
+  if (g.columns < 1 || g.rows < 1 || g.width < g.columns || g.height - g.small_height < g.rows ||
+      g.small_height < g.small_rows || g.width < g.small_columns || has_small != (g.small_rows > 0) ||
+      has_small != (g.small_columns > 0))
     throw ProtocolError("a plan's grid is empty");
-  if (int64_t{g.columns} * g.rows > std::numeric_limits<int>::max() || g.left + g.width > 65536 ||
-      g.top + g.height > 65536)
+  if (int64_t{g.columns} * g.rows + int64_t{g.small_columns} * g.small_rows >
+          std::numeric_limits<int>::max() ||
+      g.left + g.width > 65536 || g.top + g.height > 65536)
     throw ProtocolError("a plan's grid is out of range");
   return phase;
 }
@@ -86,6 +93,8 @@ JobPlan decode_plan(std::span<const std::byte> bytes) {
   const auto settings = r.bytes(r.varint());
   plan.settings.assign(settings.begin(), settings.end());
   plan.pictures = read_pictures(r, bytes.size());
+  if (plan.policy == AssignmentPolicy::interleaved && plan.pictures.grid.small_height > 0)
+    throw ProtocolError("a plan of sets that do not lie in one grid");
   if (flags & kPasses) {
     const uint64_t passes = r.varint();
     if (passes < 1 || passes > PicturesPhase::kMostPasses) throw ProtocolError("a plan of too many passes");

@@ -2,25 +2,36 @@
 
 #include <limits>
 
+#include "protocol/number_groups.h"
+
 namespace rayfarm {
 namespace {
 
+/// Which counters are not 0, and those.
 template <typename Counters>
-void write_counters(ByteWriter& w, const Counters& counters) {
-  for (const uint64_t count : counters) w.varint(count);
+void write_counters(GroupWriter& w, const Counters& counters) {
+  uint64_t which = 0;
+  for (size_t i = 0; i < counters.size(); ++i) which |= uint64_t{counters[i] != 0} << i;
+  w.number(which);
+  for (const uint64_t count : counters)
+    if (count != 0) w.number(count);
 }
 template <typename Counters>
-void read_counters(ByteReader& r, Counters& counters) {
-  for (uint64_t& count : counters) count = r.varint();
+void read_counters(GroupReader& r, Counters& counters) {
+  const uint64_t which = r.number();
+  if (which >> counters.size() != 0) throw ProtocolError("a message counts what nobody knows");
+  for (size_t i = 0; i < counters.size(); ++i) counters[i] = which >> i & 1 ? r.number() : 0;
 }
 
-void write_report(ByteWriter& w, const SubpolygonReport& r) {
-  w.varint(static_cast<uint64_t>(r.frame.value()));
-  w.varint(static_cast<uint64_t>(r.subpolygon.value()));
+void write_report(ByteWriter& bytes, const SubpolygonReport& r) {
+  GroupWriter w(bytes);
+  w.number(static_cast<uint64_t>(r.frame.value()));
+  w.number(static_cast<uint64_t>(r.subpolygon.value()));
   write_counters(w, r.rays);
-  w.varint(r.busy_us);
-  w.varint(r.not_finite << 1 | (r.sees_anything ? 1u : 0u));
+  w.number(r.busy_us);
+  w.number(r.not_finite << 1 | (r.sees_anything ? 1u : 0u));
   write_counters(w, r.ray_tallies);
+  w.finish();
 }
 
 template <typename Value>
@@ -40,13 +51,14 @@ enum class Form : uint8_t {
   compressed_pass_block
 };
 
-SubpolygonReport read_report(ByteReader& r) {
+SubpolygonReport read_report(ByteReader& bytes) {
+  GroupReader r(bytes);
   SubpolygonReport report;
-  report.frame = FrameNumber(checked<int>(r.varint()));
-  report.subpolygon = SubpolygonId(checked<int>(r.varint()));
+  report.frame = FrameNumber(checked<int>(r.number()));
+  report.subpolygon = SubpolygonId(checked<int>(r.number()));
   read_counters(r, report.rays);
-  report.busy_us = r.varint();
-  const uint64_t last = r.varint();
+  report.busy_us = r.number();
+  const uint64_t last = r.number();
   report.sees_anything = last & 1;
   report.not_finite = last >> 1;
   read_counters(r, report.ray_tallies);
@@ -226,11 +238,13 @@ Bytes encode_zone_result(uint16_t processor, const ZoneResult& result) {
   ByteWriter w;
   w.u16(encode_word({Command::return_result, processor}));
   w.u8(static_cast<uint8_t>(result.is_compressed ? Form::compressed_zone : Form::zone));
-  w.varint(result.phase);
-  w.varint(static_cast<uint64_t>(result.item.value()));
-  write_counters(w, result.rays);
-  w.varint(result.busy_us);
-  write_counters(w, result.ray_tallies);
+  GroupWriter numbers(w);
+  numbers.number(result.phase);
+  numbers.number(static_cast<uint64_t>(result.item.value()));
+  write_counters(numbers, result.rays);
+  numbers.number(result.busy_us);
+  write_counters(numbers, result.ray_tallies);
+  numbers.finish();
   w.bytes(result.bytes);
   return w.take();
 }
@@ -248,11 +262,12 @@ ZoneResult decode_zone_result(std::span<const std::byte> message) {
   ZoneResult result;
   r.u16();
   result.is_compressed = Form{r.u8()} == Form::compressed_zone;
-  result.phase = checked<uint32_t>(r.varint());
-  result.item = ItemIndex(checked<int64_t>(r.varint()));
-  read_counters(r, result.rays);
-  result.busy_us = r.varint();
-  read_counters(r, result.ray_tallies);
+  GroupReader numbers(r);
+  result.phase = checked<uint32_t>(numbers.number());
+  result.item = ItemIndex(checked<int64_t>(numbers.number()));
+  read_counters(numbers, result.rays);
+  result.busy_us = numbers.number();
+  read_counters(numbers, result.ray_tallies);
   result.bytes = r.rest();
   return result;
 }

@@ -2,6 +2,7 @@
 // How the display polygon is cut into subpolygons (about 64 per processor; thesis 4.4.4.2), and which of them
 // a processor traces by itself when work is interleaved. Host and nodes compute both from the same numbers.
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "protocol/index.h"
@@ -9,12 +10,19 @@
 
 namespace rayfarm {
 
-/// The grid of subpolygons over a rectangle of pixels; numbered row by row.
+/// The grid of subpolygons over a rectangle of pixels; numbered row by row. Every row of them reaches from
+/// the rectangle's left to its right.
 struct SubpolygonGrid {
   int left = 0, top = 0, width = 0, height = 0;  ///< the rectangle, in pixels of the image
   int columns = 1, rows = 1;
+  /// The lowest pixel rows may be a grid of their own, of smaller subpolygons: none if 0.
+  int small_height = 0, small_columns = 0, small_rows = 0;
 
-  int count() const { return columns * rows; }
+  bool operator==(const SubpolygonGrid&) const = default;
+  int large_count() const { return columns * rows; }
+  int count() const { return large_count() + small_columns * small_rows; }
+  /// Such as "12 × 9", or "6 × 4 and 12 × 3 smaller".
+  std::string text() const;
   DisplayPolygon polygon(SubpolygonId subpolygon) const;
   /// The subpolygon with these corners, or nothing.
   std::optional<SubpolygonId> find(const DisplayPolygon& polygon) const;
@@ -35,6 +43,14 @@ inline constexpr size_t kMostSubpolygonBytes = 64 << 20;
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors,
                          int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastBlockSide_px,
                          size_t most_pixels = kMostSubpolygonBytes / kPixelBytes);
+
+/// The same where work is handed out by number: if subpolygons would be small, and so mostly header, those of
+/// the upper half are four times as large. They are handed out first, and the small ones of the lower half
+/// last, so that nodes end together as they would with small ones alone (the idea of factoring: Hummel,
+/// Schonberg, Flynn 1992, "Factoring: a method for scheduling parallel loops"). Not where there is no room
+/// for about as many as are wanted: there a large one could be more than a processor's share.
+SubpolygonGrid make_tapering_grid(int left, int top, int width, int height, int processors, int least_side,
+                                  size_t most_pixels);
 
 /// How many subpolygons of at least this side a rectangle has room for.
 int64_t room_for(int width, int height, int least_side);

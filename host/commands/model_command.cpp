@@ -63,8 +63,11 @@ void read_statistics(const std::string& path, NetModel& model) {
     // A render without mpirun sends no scene, but a net would.
     model.data_bytes = std::max(load_bytes, j.at("scene").at("bytes").number());
     model.assignment_bytes = assignment_bytes / (frames * nodes);
-    model.subpolygons_per_processor =
-        j.at("subpolygons").at("columns").number() * j.at("subpolygons").at("rows").number() / nodes;
+    const JsonView cut = j.at("subpolygons");
+    double subpolygons = cut.at("columns").number() * cut.at("rows").number();
+    if (cut.has("small_rows"))
+      subpolygons += cut.at("small_columns").number() * cut.at("small_rows").number();
+    model.subpolygons_per_processor = subpolygons / nodes;
     if (j.at("wire").text() == "block")
       model.wires.push_back({"measured", traffic.at("bytes_per_pixel").number(), 0});
     if (!(model.pixel_time_s > 0)) throw InputError({path}, "the render traced nothing");

@@ -244,8 +244,8 @@ void add_net(Options& options, RenderOptions& o) {
   options.choice<Wire>(
       "--wire", o.wire, {{"block", Wire::block}, {"pixel", Wire::pixel}},
       "form of results: a block per subpolygon, or the thesis's 9 bytes per pixel (default: block)");
-  options.choice<bool>("--compression", o.compresses, {{"none", false}, {"zstd", true}},
-                       "of RGB8 blocks (default: zstd)");
+  options.choice<bool>("--compression", o.compresses, {{"none", false}, {"lossless", true}},
+                       "of RGB8 blocks (default: lossless)");
   add_node_options(options, o);
   add_sets(options, o.sets);
   options.flag("!--no-rotation", o.rotates,

@@ -253,8 +253,14 @@ bool PicturesHost::keep_result(NodeId node, const BlockResult& result, size_t by
     begin_frame(frame);
     JournalLines lines = options_.journals.lines;
     lines.emplace_back("frame", fmt::format("{}", report.frame.value()));
-    lines.emplace_back("columns", fmt::format("{}", pictures().grid.columns));
-    lines.emplace_back("rows", fmt::format("{}", pictures().grid.rows));
+    const SubpolygonGrid& grid = pictures().grid;
+    lines.emplace_back("columns", fmt::format("{}", grid.columns));
+    lines.emplace_back("rows", fmt::format("{}", grid.rows));
+    if (grid.small_height > 0) {
+      lines.emplace_back("small_height", fmt::format("{}", grid.small_height));
+      lines.emplace_back("small_columns", fmt::format("{}", grid.small_columns));
+      lines.emplace_back("small_rows", fmt::format("{}", grid.small_rows));
+    }
     journal_.begin(journal_of(file_of(report.frame)), std::move(lines));
   }
   store(result);

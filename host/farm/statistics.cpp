@@ -107,6 +107,10 @@ void write_statistics(const std::string& path, const JobResult& result, const Tr
   j["wire"] = plan.wire == Wire::block ? "block" : "pixel";
   const SubpolygonGrid& grid = plan.pictures.grid;
   j["subpolygons"] = Json::Object{{"columns", grid.columns}, {"rows", grid.rows}};
+  if (grid.small_height > 0) {
+    j["subpolygons"]["small_columns"] = grid.small_columns;
+    j["subpolygons"]["small_rows"] = grid.small_rows;
+  }
 
   write_text_file(path, j.dump(1) + "\n");
 }

@@ -93,9 +93,17 @@ JobPlan make_plan(const RenderOptions& options, const RenderSettings& settings,
   plan.settings = encode_settings(settings);
   const size_t running_bytes = options.passes > 1 ? running_bytes_of(settings) : 0;
   const size_t pixel_bytes = options.wire == Wire::pixel ? kPixelBytes : layout.bytes + running_bytes;
-  const SubpolygonGrid grid = make_grid(
-      settings.crop.x0, settings.crop.y0, settings.crop.width(), settings.crop.height(), plan.processors,
-      options.subpolygons_per_processor, options.least_side(), kMostSubpolygonBytes / pixel_bytes);
+  const size_t most_pixels = kMostSubpolygonBytes / pixel_bytes;
+  const PixelRect& crop = settings.crop;
+  // Who asks for a number gets it, and a cost map is one of equal cells.
+  const bool tapers = options.policy == AssignmentPolicy::on_demand && options.wire == Wire::block &&
+                      options.subpolygons_per_processor == kSubpolygonsPerProcessor &&
+                      options.cost_map.empty();
+  const SubpolygonGrid grid =
+      tapers ? make_tapering_grid(crop.x0, crop.y0, crop.width(), crop.height(), plan.processors,
+                                  options.least_side(), most_pixels)
+             : make_grid(crop.x0, crop.y0, crop.width(), crop.height(), plan.processors,
+                         options.subpolygons_per_processor, options.least_side(), most_pixels);
   plan.pictures = {std::move(frames), grid, {}, options.passes};
   plan.sets = options.sets;
   plan.rotates = options.rotates;

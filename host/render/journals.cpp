@@ -81,6 +81,13 @@ SubpolygonGrid grid_of(const JournalHead& head, const PixelRect& crop, const std
   };
   grid.columns = read("columns", crop.width());
   grid.rows = read("rows", crop.height());
+  if (!head.value("small_height").empty()) {
+    grid.small_height = read("small_height", crop.height() - grid.rows);
+    grid.small_columns = read("small_columns", crop.width());
+    grid.small_rows = read("small_rows", grid.small_height);
+  }
+  if (grid.height - grid.small_height < grid.rows)
+    refuse(journal_of(file), "it is damaged: its subpolygons are more than there are rows of pixels");
   return grid;
 }
 
@@ -94,12 +101,11 @@ std::vector<std::string> adopt_journals(const PixelRect& crop, const RenderOptio
   for (const auto& [frame, head] : found) {
     const std::string& file = job.files[frame.place()];
     const SubpolygonGrid other = grid_of(head, crop, file);
-    if (other.columns != grid.columns || other.rows != grid.rows)
+    if (other != grid)
       throw JobError(kUsageError,
-                     fmt::format("--resume: {} was cut into {} × {} subpolygons, and {} into {} × {}; "
+                     fmt::format("--resume: {} was cut into {} subpolygons, and {} into {}; "
                                  "resume them apart (--frames), or remove one",
-                                 journal_of(first), grid.columns, grid.rows, journal_of(file), other.columns,
-                                 other.rows));
+                                 journal_of(first), grid.text(), journal_of(file), other.text()));
   }
   std::vector<std::string> notes;
   if (std::exchange(job.plan.policy, AssignmentPolicy::on_demand) != AssignmentPolicy::on_demand)

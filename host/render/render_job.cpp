@@ -265,7 +265,7 @@ class Render {
     if (!options_.bake && options_.wire == Wire::pixel &&
         natural_format(options_.output) != PixelFormat::rgb8)
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
-    log_->debug("{} nodes, {} × {} subpolygons", plan.processors, grid.columns, grid.rows);
+    log_->debug("{} nodes, {} subpolygons", plan.processors, grid.text());
     if (!options_.bake)
       for (const std::string& note : name_limits(options_, grid, plan.processors)) log_->warn(note);
     choose_zones(settings, farm_options);

@@ -8,6 +8,11 @@
 namespace rayfarm::fuzz {
 namespace {
 
+/// A megabyte of zeros and more in a few hundred bytes.
+Bytes zstd_bomb() {
+  return *compress_bytes(Bytes(8 << 20));
+}
+
 std::string words_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -32,6 +37,8 @@ std::vector<std::string> message_seeds() {
   const Bytes sums = *compress_bytes(Bytes(640));
   seeds.push_back(words_of(
       encode_zone_result(3, {5, ItemIndex(7), {1, 2, 3, 4, 5}, 1000, {6, 7, 8, 9, 10}, true, sums})));
+  const Bytes bomb = zstd_bomb();
+  seeds.push_back(words_of(encode_zone_result(3, {5, ItemIndex(7), {1}, 1000, {}, true, bomb})));
   Bytes load;
   const Bytes payload(128, std::byte{9});
   encode_load_data({64, payload}, load);

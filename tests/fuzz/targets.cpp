@@ -1,7 +1,5 @@
 #include "tests/fuzz/targets.h"
 
-#include <zstd.h>
-
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -119,12 +117,12 @@ Bytes zeros(size_t n) {
   return Bytes(n);
 }
 
-/// A megabyte of zeros and more in a few hundred bytes.
-std::string zstd_bomb() {
-  const std::string much(8 << 20, '\0');
-  std::string bomb(ZSTD_compressBound(much.size()), '\0');
-  bomb.resize(ZSTD_compress(bomb.data(), bomb.size(), much.data(), much.size(), 1));
-  return bomb;
+/// Stripes, steps and something like noise.
+Bytes uneven(size_t n) {
+  Bytes bytes(n);
+  for (size_t i = 0; i < n; ++i)
+    bytes[i] = static_cast<std::byte>(i < n / 2 ? i / 90 + i % 3 * 20 : i * i * 2654435761u >> 13);
+  return bytes;
 }
 
 std::vector<std::string> settings_seeds() {
@@ -166,6 +164,13 @@ JobPlan make_plan() {
   plan.pictures = {{FrameNumber(1), FrameNumber(2), FrameNumber(3)}, make_grid(0, 0, 64, 48, 2), {}};
   plan.time_factors = {1, 2};
   plan.settings = zeros(20);
+  return plan;
+}
+
+JobPlan make_tapering_plan() {
+  JobPlan plan = make_plan();
+  plan.policy = AssignmentPolicy::on_demand;
+  plan.pictures.grid = make_tapering_grid(0, 0, 256, 256, 20, kLeastBlockSide_px, kMostSubpolygonBytes);
   return plan;
 }
 
@@ -321,7 +326,8 @@ std::vector<Target> make_targets(const std::string& path) {
       {"message", decode_messages, message_seeds(), {}},
       {"block",
        [](const std::string& bytes) { decompress_rgb8(bytes_of(bytes), 64, 48); },
-       {text_of(compress_rgb8(zeros(3 * 64 * 48), 64, 48)), zstd_bomb()},
+       {text_of(compress_rgb8(zeros(3 * 64 * 48), 64, 48)),
+        text_of(compress_rgb8(uneven(3 * 64 * 48), 64, 48))},
        {}},
       {"plan",
        [](const std::string& bytes) {
@@ -333,7 +339,7 @@ std::vector<Target> make_targets(const std::string& path) {
            owner_of(plan, pictures, pictures.item_of(FrameIndex(2), s));
          }
        },
-       {text_of(encode_plan(make_plan()))},
+       {text_of(encode_plan(make_plan())), text_of(encode_plan(make_tapering_plan()))},
        {}},
       {"settings", [](const std::string& bytes) { decode_settings(bytes_of(bytes)); }, settings_seeds(), {}},
       {"part",

@@ -187,7 +187,12 @@ class Output(JobTest):
             self.assertGreater(stats["traffic"][command]["bytes"], 0)
         self.assertEqual(set(stats["time_s"]), {"load", "build", "broadcast", "trace", "write", "finish", "total", "trace_began_unix", "host_cpu"})
         self.assertEqual([n["id"] for n in stats["nodes"]], [1, 2])
-        self.assertEqual(sum(n["subpolygons"] for n in stats["nodes"]), stats["subpolygons"]["columns"] * stats["subpolygons"]["rows"])
+        self.assertEqual(stats["subpolygons"], {"columns": 8, "rows": 6})
+        self.assertEqual(sum(n["subpolygons"] for n in stats["nodes"]), 8 * 6)
+        # Where subpolygons are small, those that are handed out first are larger.
+        stats = self.render(3, SCENE, "--size", "160x120")
+        cut = stats["subpolygons"]
+        self.assertEqual(sum(n["subpolygons"] for n in stats["nodes"]), cut["columns"] * cut["rows"] + cut["small_columns"] * cut["small_rows"])
         for key in ("subpolygons", "rays", "busy_s", "idle_s"):
             self.assertIn(key, stats["nodes"][0])
 

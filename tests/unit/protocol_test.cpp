@@ -207,23 +207,52 @@ TEST(Messages, RandomBytesAreRefusedNeverReadBeyond) {
   }
 }
 
-TEST(BlockCodec, LosslessForAnyContentAndSize) {
-  std::mt19937 random(2);
-  for (const auto& [width, height] :
-       {std::pair{1, 1}, std::pair{1, 17}, std::pair{64, 64}, std::pair{91, 90}}) {
-    Bytes noise(static_cast<size_t>(3 * width * height)), smooth(noise.size());
-    for (size_t i = 0; i < noise.size(); ++i) {
-      noise[i] = static_cast<std::byte>(random());
-      smooth[i] = static_cast<std::byte>((i / 3) % static_cast<size_t>(width) + 40 * (i % 3));
+TEST(Grid, TapersWhereSubpolygonsAreSmall) {
+  for (const auto& [width, height, processors] : {std::tuple{512, 512, 32}, std::tuple{512, 512, 64},
+                                                  std::tuple{640, 200, 20}, std::tuple{1920, 1080, 200}}) {
+    const SubpolygonGrid even = make_grid(10, 20, width, height, processors);
+    const SubpolygonGrid grid =
+        make_tapering_grid(10, 20, width, height, processors, kLeastBlockSide_px, kMostSubpolygonBytes);
+    EXPECT_LT(grid.count(), even.count() * 72 / 100);
+    EXPECT_GT(grid.count(), even.count() * 55 / 100);
+    std::vector<int> covered(static_cast<size_t>(width * height));
+    int last_top = 0, last_left = 0, large = 0;
+    for (SubpolygonId s; s.value() < grid.count(); ++s) {
+      const DisplayPolygon p = grid.polygon(s);
+      ASSERT_EQ(grid.find(p), s);
+      // Row by row from the top, and a row has one top and bottom.
+      ASSERT_TRUE(p.top > last_top || (p.top == last_top && p.left > last_left));
+      if (p.top == last_top) {
+        ASSERT_EQ(p.bottom, grid.polygon(SubpolygonId(s.value() - 1)).bottom);
+      }
+      last_top = p.top;
+      last_left = p.left;
+      EXPECT_GE(p.right - p.left + 1, kLeastBlockSide_px);
+      EXPECT_GE(p.bottom - p.top + 1, kLeastBlockSide_px);
+      large += (p.right - p.left + 1) * (p.bottom - p.top + 1) > 3 * width * height / even.count();
+      for (int y = p.top; y <= p.bottom; ++y)
+        for (int x = p.left; x <= p.right; ++x) ++covered.at(static_cast<size_t>((y - 20) * width + x - 10));
     }
-    EXPECT_EQ(decompress_rgb8(compress_rgb8(noise, width, height), width, height), noise);
-    const Bytes compressed = compress_rgb8(smooth, width, height);
-    EXPECT_EQ(decompress_rgb8(compressed, width, height), smooth);
-    if (width == 91) {
-      EXPECT_LT(compressed.size(), smooth.size() / 50);
-    }
-    EXPECT_THROW(decompress_rgb8(compressed, width + 1, height), ProtocolError);
+    EXPECT_EQ(std::count(covered.begin(), covered.end(), 1), width * height);
+    EXPECT_GT(large, grid.large_count() * 9 / 10);
   }
+  // Large enough, or too few of all, or for each.
+  for (const auto& [side, processors] : {std::pair{4096, 32}, std::pair{48, 1}, std::pair{512, 1000}})
+    EXPECT_EQ(make_tapering_grid(0, 0, side, side, processors, kLeastBlockSide_px, kMostSubpolygonBytes),
+              make_grid(0, 0, side, side, processors));
+}
+
+TEST(JobPlan, OfATaperingGridComesBackAndIsNotOfSets) {
+  JobPlan plan;
+  plan.pictures = {
+      {FrameNumber(1)}, make_tapering_grid(0, 0, 512, 512, 32, kLeastBlockSide_px, kMostSubpolygonBytes), {}};
+  ASSERT_GT(plan.pictures.grid.small_height, 0);
+  EXPECT_EQ(decode_plan(encode_plan(plan)).pictures.grid, plan.pictures.grid);
+  plan.policy = AssignmentPolicy::interleaved;
+  EXPECT_THROW(decode_plan(encode_plan(plan)), ProtocolError);
+  plan.policy = AssignmentPolicy::on_demand;
+  plan.pictures.grid.small_rows = 0;
+  EXPECT_THROW(decode_plan(encode_plan(plan)), ProtocolError);
 }
 
 TEST(Grid, CoversEveryPixelOnce) {
