@@ -36,31 +36,6 @@ void Assignment::begin(const PhaseWork& work, double now) {
   hand_out(now);
 }
 
-int Assignment::Item::holder_count() const {
-  return static_cast<int>(
-      std::count_if(holders.begin(), holders.end(), [](NodeId n) { return n != NodeId(); }));
-}
-
-bool Assignment::Item::is_held_by(NodeId node) const {
-  return std::find(holders.begin(), holders.end(), node) != holders.end();
-}
-
-void Assignment::Item::add_holder(NodeId node) {
-  NodeId& place = holders[0] == NodeId() ? holders[0] : holders[1];
-  place = node;
-}
-
-bool Assignment::Item::drop_holder(NodeId node) {
-  const auto place = std::find(holders.begin(), holders.end(), node);
-  if (place == holders.end()) return false;
-  *place = NodeId();
-  return true;
-}
-
-bool Assignment::is_own(NodeId node, ItemIndex item) const {
-  return options_.owner_of && options_.owner_of(item) == node;
-}
-
 void Assignment::open_steps(double now) {
   const StepIndex before = opened_;
   // Steps are released in any order; the window counts those that still need memory.
@@ -102,6 +77,7 @@ void Assignment::open_steps(double now) {
 std::optional<ItemIndex> Assignment::next_waiting() {
   while (!waiting_.empty()) {
     const ItemIndex item = waiting_.front();
+    if (item >= options_.allowed_end) break;  // what was handed out before and waits again stands before it
     waiting_.pop_front();
     if (!at(step_of(item)).is_over && at(item).state == State::waiting) return item;
   }
@@ -261,6 +237,20 @@ void Assignment::finish_item(ItemIndex index) {
   item.state = State::done;
 }
 
+/// Whatever of it is not done.
+void Assignment::end_step(StepIndex step) {
+  at(step).is_over = true;
+  // What was about to be handed out of it is not any more.
+  std::erase_if(actions_, [&](const Action& action) {
+    const auto* assign = std::get_if<AssignItem>(&action);
+    if (!assign || step_of(assign->item) != step) return false;
+    std::erase(node_state(assign->node).assigned, assign->item);
+    update_room(assign->node);
+    return true;
+  });
+  for (ItemIndex i = first_of(step); i < first_of(StepIndex(step.value() + 1)); ++i) finish_item(i);
+}
+
 /// A node does not do an item any more; who else does does it alone, or another is to do it.
 void Assignment::leave(ItemIndex index, NodeId node) {
   Item& item = at(index);
@@ -314,10 +304,8 @@ void Assignment::fail(NodeId node, ItemIndex index, const std::string& problem, 
   if (!step.is_over && at(index).state != State::done) {
     Item& item = at(index);
     if (++item.tries >= options_.most_tries) {
-      step.is_over = true;
-      const StepIndex failed = step_of(index);
-      for (ItemIndex i = first_of(failed); i < first_of(StepIndex(failed.value() + 1)); ++i) finish_item(i);
-      actions_.emplace_back(StepFailed{failed, problem});
+      end_step(step_of(index));
+      actions_.emplace_back(StepFailed{step_of(index), problem});
     } else {
       if (NodeState& state = node_state(node); item.is_held_by(node) && is_own(node, index)) {
         --state.own_left;
@@ -374,11 +362,23 @@ void Assignment::expel(NodeId node, double now) {
   give_up_without_nodes(now);
 }
 
+void Assignment::allow_before(ItemIndex end, double now) {
+  if (end <= options_.allowed_end) return;
+  options_.allowed_end = end;
+  hand_out(now);
+}
+
+void Assignment::abandon(StepIndex step, double now) {
+  if (step >= opened_ || at(step).is_over) return;
+  end_step(step);
+  hand_out(now);
+}
+
 void Assignment::release(StepIndex index, double now) {
   Step& step = at(index);
   if (step.is_released) return;
   step.is_released = true;
-  step.items = {};
+  step.items = std::vector<Item>();  // `{}` would keep the memory
   ++released_;
   open_steps(now);
   hand_out(now);

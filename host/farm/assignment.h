@@ -35,7 +35,10 @@ struct PhaseWork {
   int window_steps = 3;  ///< steps begun but not yet released: bounds the host's memory
   /// Interleaved: the node that does an item by itself; empty: all is handed out on demand.
   std::function<NodeId(ItemIndex)> owner_of;
-  std::function<bool(ItemIndex)> is_done;  ///< before the phase begins; empty: nothing is
+  std::function<bool(ItemIndex)> is_done;  ///< asked when its step begins; empty: nothing is
+  /// What is handed out comes before this item (see Assignment::allow_before): bounds the host's memory
+  /// within a step. A node's own items are bounded by the steps alone.
+  ItemIndex allowed_end{std::numeric_limits<int64_t>::max()};
 };
 
 /// Of the net, and the work of the first phase.
@@ -94,6 +97,10 @@ class Assignment {
   void fail(NodeId node, ItemIndex item, const std::string& problem, double now);
   /// A node failed: it is gone, could not load, or sends nonsense. Whatever it says from now on is dropped.
   void expel(NodeId node, double now);
+  /// Items up to this one may be handed out, too.
+  void allow_before(ItemIndex end, double now);
+  /// Nothing can be made of a step any more: its items are dropped. It is to be released as one that failed.
+  void abandon(StepIndex step, double now);
   /// A complete or failed step needs no more memory.
   void release(StepIndex step, double now);
   /// Time has passed.
@@ -117,10 +124,15 @@ class Assignment {
     uint8_t tries = 0;
     State state = State::closed;
 
-    int holder_count() const;
-    bool is_held_by(NodeId node) const;
-    void add_holder(NodeId node);
-    bool drop_holder(NodeId node);  ///< false: it was none
+    bool is_held_by(NodeId node) const { return holders[0] == node || holders[1] == node; }
+    int holder_count() const { return (holders[0] != NodeId() ? 1 : 0) + (holders[1] != NodeId() ? 1 : 0); }
+    void add_holder(NodeId node) { holders[holders[0] == NodeId() ? 0 : 1] = node; }
+    /// False: it was none.
+    bool drop_holder(NodeId node) {
+      if (!is_held_by(node)) return false;
+      holders[holders[0] == node ? 0 : 1] = NodeId();
+      return true;
+    }
   };
   struct Step {
     std::vector<Item> items;
@@ -163,9 +175,12 @@ class Assignment {
   bool is_done(ItemIndex item);
   bool is_held_alone(ItemIndex item, NodeId by);
   void finish_item(ItemIndex item);
+  void end_step(StepIndex step);
   void mark_lost(NodeId node, double now);
   void give_up_without_nodes(double now);
-  bool is_own(NodeId node, ItemIndex item) const;
+  bool is_own(NodeId node, ItemIndex item) const {
+    return options_.owner_of && options_.owner_of(item) == node;
+  }
   ItemIndex first_of(StepIndex step) const {
     return ItemIndex(int64_t{step.value()} * options_.items_per_step);
   }

@@ -1,4 +1,6 @@
 // The assignment's state machine, played through without a net: events and time in, actions out.
+#include <malloc.h>
+
 #include "tests/unit/assignment_player.h"
 
 namespace rayfarm {
@@ -252,6 +254,84 @@ void play_interleaved(Player& player, int nodes, int steps, Alive alive) {
     now += 0.1;
     ASSERT_LT(now, 300);
   }
+}
+
+TEST(OnDemand, NothingIsHandedOutBeforeItIsAllowed) {
+  AssignmentOptions options = make_options(AssignmentPolicy::on_demand, 2);
+  options.allowed_end = ItemIndex(3);
+  Player player(options);
+  const auto play = [&] {
+    for (bool goes_on = true; goes_on;) {
+      goes_on = player.step(kNode2, 1);
+      goes_on |= player.step(kNode1, 1);
+    }
+    player.tick(1);
+    return player.kept.size();
+  };
+  EXPECT_EQ(play(), 3u);
+  player.machine.allow_before(ItemIndex(2), 1);  // it never goes back
+  EXPECT_EQ(play(), 3u);
+  player.machine.allow_before(ItemIndex(5), 1);
+  player.read();
+  // What was handed out and comes back may be handed out again.
+  player.machine.expel(kNode2, 1);
+  player.queues.erase(kNode2);
+  player.read();
+  EXPECT_EQ(play(), 5u);
+  player.machine.allow_before(ItemIndex(player.options.items_per_step), 1);
+  player.read();
+  play();
+  EXPECT_TRUE(player.is_whole(1));
+  EXPECT_EQ(player.complete.size(), 1u);
+}
+
+TEST(OnDemand, WhatIsReleasedTakesNoMemory) {
+  AssignmentOptions options;
+  options.nodes = 2;
+  options.steps = 200;
+  options.items_per_step = 10'000;
+  options.window_steps = 1;
+  options.held_per_node = 5'000;
+  const size_t before = mallinfo2().uordblks;
+  Player player(options);
+  for (StepIndex step; step.value() < options.steps; ++step) {
+    while (player.step(kNode1, 1) || player.step(kNode2, 1)) {
+    }
+    ASSERT_EQ(player.complete.size(), step.place() + 1);
+    player.kept.clear();
+    player.machine.release(step, 1);
+    player.read();
+  }
+  EXPECT_TRUE(player.machine.is_over());
+  EXPECT_LT(mallinfo2().uordblks, before + (8 << 20));  // of 48 MB
+}
+
+TEST(OnDemand, NothingIsHandedOutOfAnAbandonedStep) {
+  Player player(make_options(AssignmentPolicy::on_demand, 2, 2));
+  // A result comes, and in the same turn the step is abandoned: what was to follow is not handed out.
+  player.machine.accept(kNode1, player.queues[kNode1].front(), 1);
+  player.machine.abandon(StepIndex(0), 1);
+  for (const Action& action : player.machine.take_actions())
+    if (const auto* assign = std::get_if<AssignItem>(&action)) {
+      EXPECT_EQ(player.step_of(assign->item), StepIndex(1));
+    }
+}
+
+TEST(OnDemand, AnAbandonedStepIsOver) {
+  Player player(make_options(AssignmentPolicy::on_demand, 2, 2));
+  player.step(kNode1, 1);
+  player.machine.abandon(StepIndex(0), 1);
+  player.machine.abandon(StepIndex(0), 1);
+  player.read();
+  // What the nodes still do of it is dropped, and they go on with the next.
+  while (player.step(kNode1, 1) || player.step(kNode2, 1)) {
+  }
+  EXPECT_EQ(player.complete, std::vector<StepIndex>{StepIndex(1)});
+  EXPECT_TRUE(player.failed.empty());
+  EXPECT_FALSE(player.machine.is_over());
+  player.machine.release(StepIndex(0), 1);
+  player.machine.release(StepIndex(1), 1);
+  EXPECT_TRUE(player.machine.is_over());
 }
 
 TEST(Interleaved, NeedsNoAssignments) {
