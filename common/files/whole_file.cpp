@@ -10,7 +10,10 @@
 #include <climits>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <random>
+#include <string_view>
+#include <utility>
 
 #include "common/errors/input_error.h"
 #include "common/files/regular_file.h"
@@ -50,27 +53,44 @@ bool has_ended(pid_t process) {
          access("/proc/self", F_OK) == 0;
 }
 
-/// True if `name`, which begins as said above, belongs to a process that is gone.
-bool is_stale(std::string_view name, const std::string& beginning) {
-  if (!name.starts_with(beginning) || !name.ends_with(kEnding)) return false;
-  name.remove_prefix(beginning.size());
-  name.remove_suffix(kEnding.size());
+/// The process that a file in the making is of, and its token with what follows; nothing if the rest of its
+/// name, from the process on, is not one that is made here.
+std::optional<std::pair<pid_t, std::string_view>> maker_of(std::string_view rest) {
+  if (!rest.ends_with(kEnding)) return std::nullopt;
+  rest.remove_suffix(kEnding.size());
   pid_t process = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), process);
-  name.remove_prefix(static_cast<size_t>(end - name.data()));
-  if (error != std::errc{} || process <= 0 || name.size() <= kTokenDigits + 1 || name.front() != '.' ||
-      name.find_first_not_of("0123456789abcdef", 1) != std::string_view::npos)
-    return false;  // not a name that is made here
-  if (process == getpid()) return name.substr(1, kTokenDigits) != token();
-  return has_ended(process);
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), process);
+  rest.remove_prefix(static_cast<size_t>(end - rest.data()));
+  if (error != std::errc{} || process <= 0 || rest.size() <= kTokenDigits + 1 || rest.front() != '.' ||
+      rest.find_first_not_of("0123456789abcdef", 1) != std::string_view::npos)
+    return std::nullopt;
+  return std::pair(process, rest.substr(1));
 }
 
-void remove_stale(const std::filesystem::path& folder, const std::string& beginning) {
+/// True if `name`, which begins as said above, belongs to a process that is gone.
+bool is_stale(std::string_view name, const std::string& beginning) {
+  if (!name.starts_with(beginning)) return false;
+  const auto maker = maker_of(name.substr(beginning.size()));
+  if (!maker) return false;
+  return maker->first == getpid() ? maker->second.substr(0, kTokenDigits) != token()
+                                  : has_ended(maker->first);
+}
+
+/// Files of the folder whose names `is_wanted` wants.
+template <typename IsWanted>
+void remove_files(const std::filesystem::path& folder, IsWanted is_wanted) {
   std::error_code ignored;
   for (std::filesystem::directory_iterator entry(folder, ignored), end; entry != end;
        entry.increment(ignored))
-    if (is_stale(entry->path().filename().string(), beginning))
-      std::filesystem::remove(entry->path(), ignored);
+    if (is_wanted(entry->path().filename().string())) std::filesystem::remove(entry->path(), ignored);
+}
+
+void remove_stale(const std::filesystem::path& folder, const std::string& beginning) {
+  remove_files(folder, [&](const std::string& name) { return is_stale(name, beginning); });
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& target) {
+  return target.has_parent_path() ? target.parent_path() : ".";
 }
 
 std::string problem_of(int error) {
@@ -81,7 +101,7 @@ std::string problem_of(int error) {
 
 WholeFile::WholeFile(const std::string& path) : path_(path) {
   const std::filesystem::path target(path);
-  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  const std::filesystem::path folder = folder_of(target);
   std::error_code error;
   const auto status = std::filesystem::status(target, error);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
@@ -144,12 +164,26 @@ void WholeFile::commit() {
   std::filesystem::rename(temporary_, path_, error);
   if (error) fail(error.message());
   temporary_.clear();
+  // Who was about to end when this one began has ended by now.
+  remove_stale(folder_of(path_), beginning_for(path_));
 }
 
 void write_whole_file(const std::string& path, const std::function<void(std::FILE* file)>& write) {
   WholeFile file(path);
   file.write(write);
   file.commit();
+}
+
+void remove_files_of_other_machines(const std::string& path) {
+  const std::filesystem::path target(path);
+  const std::string beginning = "." + target.filename().string() + ".", own = beginning_for(target);
+  remove_files(folder_of(target), [&](const std::string& name) {
+    if (!name.starts_with(beginning) || name.starts_with(own)) return false;
+    // A machine's name may have dots in it.
+    for (size_t at = beginning.size(); (at = name.find('.', at)) != std::string::npos;)
+      if (maker_of(std::string_view(name).substr(++at))) return true;
+    return false;
+  });
 }
 
 }  // namespace rayfarm

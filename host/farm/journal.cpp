@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -24,6 +25,7 @@ constexpr std::string_view kMagic = "rayfarm-journal 1\n";
 constexpr size_t kMostHeadBytes = 1 << 16;
 /// Longer than any result, with its head.
 constexpr uint32_t kMostRecordBytes = kMostSubpolygonBytes + (1 << 16);
+constexpr const char* kInUse = "another job writes it";
 constexpr size_t kFrameBytes = 8;  ///< of a record: its length and its check
 
 /// Of the length, too, so that a damaged one is seen.
@@ -60,6 +62,28 @@ void sync_folder_of(const std::string& path) {
   close(descriptor);
 }
 
+/// Until the descriptor is closed, if nobody else holds a lock.
+JournalUse lock(int descriptor, int kind) {
+  if (flock(descriptor, kind | LOCK_NB) == 0) return JournalUse::none;
+  return errno == EWOULDBLOCK ? JournalUse::by_a_job : JournalUse::unknown;
+}
+
+/// Others who look whether it is in use hold it for a moment.
+JournalUse lock_to_write(int descriptor) {
+  JournalUse use = lock(descriptor, LOCK_EX);
+  for (int i = 0; i < 20 && use == JournalUse::by_a_job; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    use = lock(descriptor, LOCK_EX);
+  }
+  return use;
+}
+
+/// The last line of a head.
+std::string check_line_of(std::string_view head) {
+  const auto* bytes = reinterpret_cast<const Bytef*>(head.data());
+  return fmt::format("check {:08x}\n", static_cast<uint32_t>(crc32_z(0, bytes, head.size())));
+}
+
 bool read_exactly(std::FILE* file, void* out, size_t size) {
   return std::fread(out, 1, size, file) == size;
 }
@@ -88,6 +112,14 @@ bool is_journal(const std::string& path) {
   }
 }
 
+JournalUse use_of_journal(const std::string& path) {
+  try {
+    return lock(fileno(open_regular_file(path).file.get()), LOCK_SH);
+  } catch (const IoError&) {
+    return JournalUse::unknown;
+  }
+}
+
 std::optional<JournalHead> read_journal_head(const std::string& path) {
   const RegularFile opened = open_regular_file(path);
   std::string text(kMostHeadBytes, '\0');
@@ -100,7 +132,10 @@ std::optional<JournalHead> read_journal_head(const std::string& path) {
     throw IoError(fmt::format("{}: is no journal of this version of Rayfarm; remove it", path));
   JournalHead head;
   head.bytes = end + 2;
-  rest = rest.substr(kMagic.size(), end + 1 - kMagic.size());
+  const size_t check = rest.rfind("\ncheck ", end) + 1;
+  if (check == 0 || rest.substr(check, end + 1 - check) != check_line_of(rest.substr(0, check)))
+    throw IoError(fmt::format("{}: the head of this journal is damaged; remove it", path));
+  rest = rest.substr(kMagic.size(), check - kMagic.size());
   while (!rest.empty()) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
     const size_t space = std::min(line.find(' '), line.size());
@@ -116,19 +151,24 @@ uint64_t read_journal(const std::string& path, const JournalHead& head,
   std::FILE* file = opened.file.get();
   if (fseeko(file, static_cast<off_t>(head.bytes), SEEK_SET) != 0)
     throw IoError(fmt::format("{}: can't be read: {}", path, std::strerror(errno)));
+  errno = 0;
   uint64_t end = head.bytes;
   Bytes record;
   while (true) {
     std::byte frame[kFrameBytes];
-    if (!read_exactly(file, frame, sizeof frame)) return end;
+    if (!read_exactly(file, frame, sizeof frame)) break;
     ByteReader reader(frame);
     const uint32_t size = reader.u32(), check = reader.u32();
-    if (size > kMostRecordBytes || size > opened.size_bytes - std::min(opened.size_bytes, end)) return end;
+    if (size > kMostRecordBytes || size > opened.size_bytes - std::min(opened.size_bytes, end)) break;
     record.resize(size);
-    if (!read_exactly(file, record.data(), size) || check_of(size, record) != check) return end;
+    if (!read_exactly(file, record.data(), size) || check_of(size, record) != check) break;
     take(record);
     end += kFrameBytes + size;
   }
+  // What a disk can't give now is no end of what was written.
+  if (std::ferror(file))
+    throw IoError(fmt::format("{}: can't be read: {}", path, std::strerror(errno ? errno : EIO)));
+  return end;
 }
 
 JournalWriter::JournalWriter(double every_s) : every_s_(every_s) {
@@ -151,7 +191,7 @@ void JournalWriter::begin(const std::string& path, JournalLines lines) {
   if (!keeps_any()) return;
   std::string text(kMagic);
   for (const auto& [name, value] : lines) text += fmt::format("{} {}\n", name, value);
-  text += '\n';
+  text += check_line_of(text) + "\n";
   const auto bytes = std::as_bytes(std::span(text));
   const std::lock_guard lock(mutex_);
   files_[path].head.assign(bytes.begin(), bytes.end());
@@ -161,6 +201,12 @@ void JournalWriter::go_on(const std::string& path, uint64_t end) {
   if (!keeps_any()) return;
   const std::lock_guard lock(mutex_);
   files_[path].end = end;
+}
+
+void JournalWriter::leave(const std::string& path) {
+  if (!keeps_any()) return;
+  const std::lock_guard lock(mutex_);
+  files_[path].is_broken = files_[path].is_left = true;
 }
 
 void JournalWriter::append(const std::string& path, std::span<const std::byte> record) {
@@ -263,15 +309,14 @@ void JournalWriter::write_all(std::unique_lock<std::mutex>& lock) {
       problem = e.what();
     }
     if (is_over) {
-      const bool is_there = file.descriptor >= 0 || file.end > 0;
+      const bool is_there = file.descriptor >= 0 || file.end > 0 || file.is_left;
       if (file.descriptor >= 0) close(file.descriptor);
       if (is_there) unlink(path.c_str());
     }
     lock.lock();
     pending_bytes_ -= pending.size();  // till now it took memory
     if (!problem.empty()) {
-      file.is_broken = true;
-      if (const int broken = std::exchange(file.descriptor, -1); broken >= 0) close(broken);
+      file.is_broken = true;  // its lock is kept until the frame's file is whole, and it is removed
       tell(path,
            fmt::format("can't be written: {}; if the job has to go on, what is not in it is traced again",
                        problem));
@@ -290,12 +335,17 @@ void JournalWriter::write(const std::string& path, File& file, const Bytes& pend
     if (lstat(path.c_str(), &there) == 0) {
       if (!S_ISREG(there.st_mode) || !is_journal(path))
         throw std::runtime_error("what stands there is no journal");
+      if (use_of_journal(path) == JournalUse::by_a_job) throw std::runtime_error(kInUse);
       if (is_new && unlink(path.c_str()) != 0) fail();
     }
     // Made exclusively, so that no link that somebody left there is followed.
     file.descriptor =
         open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | (is_new ? O_CREAT | O_EXCL : 0), 0666);
     if (file.descriptor < 0) fail();
+    if (lock_to_write(file.descriptor) == JournalUse::by_a_job) {
+      close(std::exchange(file.descriptor, -1));
+      throw std::runtime_error(kInUse);
+    }
     try {
       if (!is_new && (ftruncate(file.descriptor, static_cast<off_t>(file.end)) != 0 ||
                       lseek(file.descriptor, 0, SEEK_END) < 0))
@@ -305,7 +355,10 @@ void JournalWriter::write(const std::string& path, File& file, const Bytes& pend
       sync_file(file.descriptor);
       if (is_new) sync_folder_of(path);
     } catch (const std::exception&) {
-      if (is_new) unlink(path.c_str());
+      if (is_new) {
+        unlink(path.c_str());
+        close(std::exchange(file.descriptor, -1));
+      }
       throw;
     }
     return;

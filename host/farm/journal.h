@@ -1,8 +1,9 @@
 #pragma once
 // Journals: the results of frames in the making, kept on disk beside the frames' files, so that a job that
-// ends before its time goes on where it was. A journal is text that says what it is of, up to an empty line,
-// and then records that are only ever appended: their length, its and their bytes' CRC-32, and a result as
-// the net carries it. What a power cut leaves is read up to the first record that is not whole.
+// ends before its time goes on where it was. A journal is text that says what it is of, its last line the
+// CRC-32 of those before it, up to an empty line, and then records that are only ever appended: their length,
+// its and their bytes' CRC-32, and a result as the net carries it. What a power cut leaves is read up to the
+// first record that is not whole.
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -37,6 +38,9 @@ std::string journal_of(const std::string& file);
 std::optional<JournalHead> read_journal_head(const std::string& path);
 /// True if a journal stands there, whole or only begun: what may be replaced or removed.
 bool is_journal(const std::string& path);
+enum class JournalUse : uint8_t { none, by_a_job, unknown };
+/// Whether a job that runs is writing to it; unknown where the file system has no locks, or no file is there.
+JournalUse use_of_journal(const std::string& path);
 /// Gives each whole record to `take`, in order; returns where they end. Throws IoError if the file can't be
 /// read.
 uint64_t read_journal(const std::string& path, const JournalHead& head,
@@ -58,6 +62,8 @@ class JournalWriter {
   /// that is there, from `end` on.
   void begin(const std::string& path, JournalLines lines);
   void go_on(const std::string& path, uint64_t end);
+  /// Nothing is appended for this path, and what stands there stays until the frame's file is whole.
+  void leave(const std::string& path);
   void append(const std::string& path, std::span<const std::byte> record);
   /// The frame's file is whole: its journal goes.
   void remove(const std::string& path);
@@ -75,7 +81,8 @@ class JournalWriter {
     Bytes pending;
     int descriptor = -1;
     bool is_over = false;    ///< to be removed
-    bool is_broken = false;  ///< could not be written
+    bool is_broken = false;  ///< could not be written, or is left as it is
+    bool is_left = false;    ///< stands there from an earlier run
     bool has_gaps = false;   ///< the disk was too slow for some
   };
   /// More that waits for the disk is not kept, so that the host's memory is bounded.

@@ -4,14 +4,20 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <filesystem>
+#include <limits>
+#include <thread>
 #include <utility>
 
 #include "common/errors/input_error.h"
+#include "common/files/whole_file.h"
 #include "host/farm/preview.h"
 #include "host/process/exit_code.h"
+#include "host/process/interrupt.h"
 #include "host/render/settings_lines.h"
 #include "protocol/build_identity.h"
+#include "protocol/clock.h"
 
 namespace rayfarm {
 namespace {
@@ -42,6 +48,23 @@ JournalLines journal_lines(const RenderSettings& settings,
   const auto of_settings = lines_of(settings);
   lines.insert(lines.end(), of_settings.begin(), of_settings.end());
   return lines;
+}
+
+void refuse_if_in_work(const std::string& file) {
+  // Processes whose mpirun was killed end within a second.
+  constexpr double kEndingJob_s = 5;
+  const std::string journal = journal_of(file);
+  JournalUse use = use_of_journal(journal);
+  for (const double begin = now_s(); use == JournalUse::by_a_job; use = use_of_journal(journal)) {
+    if (interrupted_by() != 0) throw JobError(kStopped, "stopped before anything was traced");
+    if (now_s() - begin > kEndingJob_s)
+      throw JobError(kUsageError,
+                     fmt::format("{} is being written by another job, which makes {}; wait until it ends, or "
+                                 "give this one another name (-o)",
+                                 journal, file));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  if (use == JournalUse::none && is_journal(journal)) remove_files_of_other_machines(file);
 }
 
 std::optional<JournalHead> find_journal(const std::string& file, FrameNumber frame, const JournalLines& job) {
@@ -86,8 +109,10 @@ SubpolygonGrid grid_of(const JournalHead& head, const PixelRect& crop, const std
     grid.small_columns = read("small_columns", crop.width());
     grid.small_rows = read("small_rows", grid.small_height);
   }
-  if (grid.height - grid.small_height < grid.rows)
-    refuse(journal_of(file), "it is damaged: its subpolygons are more than there are rows of pixels");
+  if (grid.height - grid.small_height < grid.rows ||
+      int64_t{grid.columns} * grid.rows + int64_t{grid.small_columns} * grid.small_rows >
+          std::numeric_limits<int>::max())
+    refuse(journal_of(file), "it is damaged: there are more subpolygons than rows or pixels");
   return grid;
 }
 
@@ -107,6 +132,11 @@ std::vector<std::string> adopt_journals(const PixelRect& crop, const RenderOptio
                                  "resume them apart (--frames), or remove one",
                                  journal_of(first), grid.text(), journal_of(file), other.text()));
   }
+  if (!options.cost_map.empty() && grid.small_height > 0)
+    throw JobError(kUsageError,
+                   fmt::format("--cost-map: {} was cut into {} subpolygons, and a cost map is one of "
+                               "equal cells; leave out --cost-map, or --resume",
+                               first, grid.text()));
   std::vector<std::string> notes;
   if (std::exchange(job.plan.policy, AssignmentPolicy::on_demand) != AssignmentPolicy::on_demand)
     notes.emplace_back("--assign interleaved: what an earlier run left is handed out on demand");

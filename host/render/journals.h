@@ -12,6 +12,10 @@ namespace rayfarm {
 JournalLines journal_lines(const RenderSettings& settings,
                            const std::map<std::string, std::string>& attributes);
 
+/// Throws JobError if another job is at work on the file: its journal is in use. One that is about to end is
+/// waited for, and what one that has ended was writing is removed.
+void refuse_if_in_work(const std::string& file);
+
 /// The journal of a frame's file, if there is one with results. Throws JobError with what differs if it is of
 /// another job, and if it is none.
 std::optional<JournalHead> find_journal(const std::string& file, FrameNumber frame, const JournalLines& job);

@@ -101,6 +101,23 @@ class Stopped(JobTest):
         self.assertAlmostEqual(100 * told["resumed_pixels"] / (480 * 360), share, delta=0.1)
         self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["a.png", "s.json", "whole-a.png"])
 
+    def test_two_jobs_do_not_share_a_journal(self):
+        job = Job(3, "render", SCENE, "-o", self.folder / "a.png", "--progress", "none", "-v", "--journal", "0.2", *HEAVY, "--processor-time", "0.00001")
+        while not (self.folder / "a.png.journal").exists() and job.process.poll() is None:
+            time.sleep(0.05)
+        for more in ([], ["--resume"]):
+            other = self.run_alone("render", SCENE, "-o", self.folder / "a.png", *HEAVY, *more)
+            self.assertEqual(other.code, 2, other.stderr)
+            self.assertIn("is being written by another job", other.stderr)
+        # One whose mpirun is gone is about to end: it is waited for. What it was writing goes, and so does what one of another machine left.
+        (self.folder / ".a.png.some.where.77.0123456789abcdef0.part").write_bytes(b"")
+        (self.folder / ".a.png.mine.part").write_bytes(b"")
+        os.kill(job.process.pid, signal.SIGKILL)
+        self.resume()
+        job.wait()
+        self.assertEqual((self.folder / "a.png").read_bytes(), self.whole())
+        self.assertEqual(self.leftovers(), [".a.png.mine.part"])
+
     def test_max_time(self):
         result = self.run_alone("render", SCENE, "-o", self.folder / "a.png", "--progress", "none", "--max-time", "0:02", *HEAVY, *SLOW)
         self.assertEqual(result.code, 75, result.stderr)

@@ -157,6 +157,32 @@ TEST(Journal, WhatCannotBeWrittenIsToldOnce) {
   EXPECT_TRUE(writer.take_problems().empty());
 }
 
+TEST(Journal, ThatOfAnotherJobIsLeftAlone) {
+  const std::string path = test::write_temporary("shared.journal", "");
+  std::filesystem::remove(path);
+  EXPECT_NE(use_of_journal(path), JournalUse::by_a_job);
+  std::string before;
+  {
+    JournalWriter first(0.005), second(0.005);
+    first.begin(path, kLines);
+    first.append(path, record_of(10, 0));
+    first.sync();
+    EXPECT_EQ(use_of_journal(path), JournalUse::by_a_job);
+    before = contents(path);
+    second.begin(path, kLines);
+    second.append(path, record_of(20, 1));
+    second.sync();
+    const auto problems = second.take_problems();
+    ASSERT_EQ(problems.size(), 1u);
+    EXPECT_NE(problems[0].find("another job writes it"), std::string::npos) << problems[0];
+    EXPECT_EQ(contents(path), before);
+    first.append(path, record_of(10, 2));
+    first.sync();
+    EXPECT_EQ(records_in(path).size(), 2u);
+  }
+  EXPECT_NE(use_of_journal(path), JournalUse::by_a_job);
+}
+
 TEST(Journal, NoneIsKeptWithoutATime) {
   const std::string path = test::write_temporary("never.journal", "");
   std::filesystem::remove(path);
