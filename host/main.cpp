@@ -21,7 +21,7 @@ using namespace rayfarm;
 
 namespace {
 
-constexpr int kThreadsOfHost = 2;  ///< beside nodes: one loads, one writes files
+constexpr int kThreadsOfHost = 2;  ///< beside nodes: they write pictures and journals
 
 int render_locally(const RenderOptions& options) {
   catch_interrupts();

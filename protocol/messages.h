@@ -72,6 +72,10 @@ struct DisplayPolygon {
   uint16_t left = 0, top = 0, right = 0, bottom = 0;
   bool operator==(const DisplayPolygon&) const = default;
 };
+/// In pixels.
+constexpr size_t area_of(const DisplayPolygon& p) {
+  return static_cast<size_t>(p.right - p.left + 1) * static_cast<size_t>(p.bottom - p.top + 1);
+}
 inline constexpr size_t kDisplayPolygonBytes = 10;
 Bytes encode_display_polygon(uint16_t processor, const DisplayPolygon& polygon);
 DisplayPolygon decode_display_polygon(std::span<const std::byte> message);

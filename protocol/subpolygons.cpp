@@ -134,6 +134,15 @@ SubpolygonGrid make_grid(int left, int top, int width, int height, int processor
   }
 }
 
+SubpolygonGrid with_lower_rows(SubpolygonGrid grid, int most_height) {
+  constexpr int kLeastColumns = 8;  // so that several nodes work on a row
+  const int rows = (grid.height + most_height - 1) / most_height;
+  if (rows <= grid.rows) return grid;
+  grid.columns = std::min(grid.width, std::max(kLeastColumns, grid.count() / rows));
+  grid.rows = rows;
+  return grid;
+}
+
 SubpolygonGrid make_tapering_grid(int left, int top, int width, int height, int processors, int least_side,
                                   size_t most_pixels) {
   const SubpolygonGrid even =

@@ -1,6 +1,7 @@
 #pragma once
 // How the display polygon is cut into subpolygons (about 64 per processor; thesis 4.4.4.2), and which of them
 // a processor traces by itself when work is interleaved. Host and nodes compute both from the same numbers.
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,21 @@ struct SubpolygonGrid {
   bool operator==(const SubpolygonGrid&) const = default;
   int large_count() const { return columns * rows; }
   int count() const { return large_count() + small_columns * small_rows; }
+  /// Rows of subpolygons, from the top, of both kinds.
+  int row_count() const { return rows + small_rows; }
+  int row_of(SubpolygonId subpolygon) const {
+    const int beyond = subpolygon.value() - large_count();
+    return beyond < 0 ? subpolygon.value() / columns : rows + beyond / small_columns;
+  }
+  /// Of the highest row, in pixels.
+  int most_row_height() const {
+    const auto each = [](int pixels, int parts) { return parts > 0 ? (pixels + parts - 1) / parts : 0; };
+    return std::max(each(height - small_height, rows), each(small_height, small_rows));
+  }
+  /// The first subpolygon of a row; of the one after the last, what the count is.
+  SubpolygonId first_of_row(int row) const {
+    return SubpolygonId(row <= rows ? row * columns : large_count() + (row - rows) * small_columns);
+  }
   /// Such as "12 × 9", or "6 × 4 and 12 × 3 smaller".
   std::string text() const;
   DisplayPolygon polygon(SubpolygonId subpolygon) const;
@@ -43,6 +59,10 @@ inline constexpr size_t kMostSubpolygonBytes = 64 << 20;
 SubpolygonGrid make_grid(int left, int top, int width, int height, int processors,
                          int per_processor = kSubpolygonsPerProcessor, int least_side = kLeastBlockSide_px,
                          size_t most_pixels = kMostSubpolygonBytes / kPixelBytes);
+
+/// The same rectangle in rows of subpolygons that are at most so high, and in at least eight columns where
+/// they had to become lower.
+SubpolygonGrid with_lower_rows(SubpolygonGrid grid, int most_height);
 
 /// The same where work is handed out by number: if subpolygons would be small, and so mostly header, those of
 /// the upper half are four times as large. They are handed out first, and the small ones of the lower half

@@ -40,8 +40,8 @@ inline constexpr double kMostBeat_s = 8;
 inline constexpr double kLeastNodeTimeout_s = 2 * kBeat_s;
 /// The longest.
 inline constexpr double kMostNodeTimeout_s = 3600;
-/// A node that is silent for longer is lost to its host (`--node-timeout`): eight beats. Being wrong costs
-/// little, as its work is done twice.
+/// A node that is silent for longer is lost to its host (`--node-timeout`): eight beats, where there are no
+/// more than a thousand nodes. Being wrong costs little, as its work is done twice.
 inline constexpr double kNodeTimeout_s = 8 * kBeat_s;
 /// An idle node helps with what another has had in hand for so long since it last returned something.
 inline constexpr double kHelp_s = 1;
@@ -88,7 +88,7 @@ static_assert(kGraceForHost_s > kLook_s);
 
 // The end.
 
-/// Once the pictures are whole: a node that is silent for three beats is not waited for.
+/// Once the pictures are whole: a node that is silent for so long is not waited for.
 inline constexpr double kLastWord_s = 3 * kBeat_s;
 /// In which the host's last messages leave, and idle nodes hear them.
 inline constexpr double kFarewell_s = 0.02;

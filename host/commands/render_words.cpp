@@ -124,6 +124,9 @@ void add_picture(Options& options, RenderOptions& o) {
       "--journal", o.journal_every_s, 0, 3600,
       "seconds between two times that results of frames in the making are written to FILE.journal; 0: "
       "they are not (default: 2)");
+  options.number("--frame-memory", o.frame_memory_GiB, 0.0001, 65536,
+                 "GiB that pixels of pictures in the making may take on the host; what a larger picture does "
+                 "not need any more leaves for its file (default: 1)");
 }
 
 void add_light(Options& options, RenderOptions& o) {

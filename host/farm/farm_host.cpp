@@ -131,7 +131,7 @@ void FarmHost::run_phase(PhaseHost& phase, uint64_t address, Bytes data) {
   Backoff backoff;
   while (!assignment_.is_over() && !is_over_) {
     const double now = listening_.turn(now_s());
-    const bool has_fed = feed_->turn(), has_come = take_messages(now);
+    const bool has_fed = feed_->turn(), has_come = take_messages(now) | take_blocks(now);
     expel_the_gone(now);
     if (now - ticked_s_ > liveness::kTick_s) {
       assignment_.tick(now);
@@ -147,12 +147,12 @@ void FarmHost::run_phase(PhaseHost& phase, uint64_t address, Bytes data) {
     }
     show_progress(false);
     tell_watchers(zones_.is_at_work() ? FarmStage::zones : FarmStage::pictures, now_s());
-    if (has_fed || has_come) {
-      backoff.reset();
-    } else {
-      backoff.wait_for(transport_);
-    }
+    const bool is_busy = has_fed || has_come;
+    if (is_busy || pictures_.has_blocks()) backoff.reset();  // these will not take long
+    if (!is_busy) backoff.wait_for(transport_);
   }
+  // What has come is kept in journals, if not in pictures.
+  for (Backoff nap; pictures_.has_blocks(); nap.wait()) take_blocks(listening_.now());
 }
 
 /// False: none had come.
@@ -161,16 +161,31 @@ bool FarmHost::take_messages(double now) {
   constexpr int kMost = 1000;
   int taken = 0;
   for (; taken < kMost; ++taken) {
-    const auto message = transport_.try_receive();
+    auto message = transport_.try_receive();
     if (!message) break;
     const uint64_t before = result_.pixels_received;
-    receive(*message, now);
+    receive(std::move(*message), now);
     if (result_.pixels_received != before) traced_s_ = now_s();  // tracing ends with the last result
   }
   return taken > 0;
 }
 
-void FarmHost::receive(const Message& message, double now) {
+/// False: none was decompressed.
+bool FarmHost::take_blocks(double now) {
+  bool has_come = false;
+  while (const auto block = pictures_.take_block()) {
+    has_come = true;
+    try {
+      pictures_.keep_block(*block, now);
+    } catch (const ProtocolError& e) {
+      expel(block->node, fmt::format("sent what can't be understood ({})", e.what()), now);
+    }
+    traced_s_ = now_s();
+  }
+  return has_come;
+}
+
+void FarmHost::receive(Message message, double now) {
   const NodeId node = message.source;
   try {
     switch (message.channel) {
@@ -184,7 +199,7 @@ void FarmHost::receive(const Message& message, double now) {
         if (is_zone_result(message.bytes))
           zones_.receive(node, message.bytes, now);
         else
-          pictures_.receive_block(node, message.bytes, now);
+          pictures_.receive_block(node, std::move(message.bytes), now);
         break;
     }
     assignment_.hear(node, now);

@@ -25,7 +25,8 @@ class FarmHost {
   /// All nodes hold `data` before they do an item.
   void run_phase(PhaseHost& phase, uint64_t address, Bytes data);
   bool take_messages(double now);
-  void receive(const Message& message, double now);
+  bool take_blocks(double now);
+  void receive(Message message, double now);
   void receive_control(NodeId node, const Control& control, double now);
   void receive_failure(NodeId node, const ItemFailed& failed, double now);
   void carry_out(const Action& action);

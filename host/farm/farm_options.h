@@ -1,6 +1,7 @@
 #pragma once
 // What a farm is told about its job.
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -60,12 +61,22 @@ struct FarmHostOptions {
   std::vector<std::string> files;                 ///< one per frame of the pictures
   double node_timeout_s = liveness::kNodeTimeout_s;
   int window_frames = 3;  ///< in memory at a time
+  /// What a frame's pixels may take of it; a larger one leaves for its file in bands (see FrameBuffer).
+  size_t frame_bytes = std::numeric_limits<size_t>::max();
   // In the result, by subpolygon of every frame that was begun:
   bool keeps_traced_by = false;
   bool keeps_costs = false;
   std::vector<ProcessSign> signs;  ///< of the nodes, in order; empty: none can be lost alone
   ProgressStyle progress = ProgressStyle::automatic;
   std::vector<Watcher*> watchers;  ///< who else looks at pictures while they grow
+
+  size_t picture_bytes() const { return static_cast<size_t>(image.window.area()) * image.layout.bytes; }
+  bool is_streamed() const { return picture_bytes() > frame_bytes; }
+  /// Of the largest band.
+  size_t band_bytes() const {
+    return static_cast<size_t>(plan.pictures.grid.most_row_height()) *
+           static_cast<size_t>(image.window.width()) * image.layout.bytes;
+  }
 };
 
 /// Tells people what happens; the argument is one line of text.

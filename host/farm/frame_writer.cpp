@@ -36,6 +36,13 @@ void FrameWriter::end(PictureInWriting picture, std::map<std::string, std::strin
 }
 
 void FrameWriter::drop(PictureInWriting picture) {
+  {
+    // What waits of it would only be written to be removed.
+    const std::lock_guard lock(mutex_);
+    std::erase_if(queue_, [picture](const Order& order) {
+      return order.picture == picture && std::holds_alternative<Band>(order.what);
+    });
+  }
   submit({picture, Drop{}});
 }
 

@@ -65,7 +65,8 @@ class FrameWriter {
   void write(PictureInWriting picture, std::shared_ptr<const std::vector<std::byte>> rows);
   /// All rows are there. `late`: values of at most kLateAttributeBytes.
   void end(PictureInWriting picture, std::map<std::string, std::string> late = {});
-  /// It will not be whole: nothing is left of it, nor told, unless that is of a failure before.
+  /// It will not be whole: nothing is left of it, nor told, unless that is of a failure before, or of bands
+  /// that were let go of.
   void drop(PictureInWriting picture);
 
   /// What came of a picture: once, at its end, or as soon as it could not be written.

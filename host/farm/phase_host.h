@@ -13,7 +13,7 @@ class PhaseHost {
   virtual ~PhaseHost() = default;
   virtual const Phase& phase() const = 0;
   /// What the assignment must know of it.
-  virtual PhaseWork work() const = 0;
+  virtual PhaseWork work() = 0;
   /// Sends an item to a node.
   virtual void assign(const AssignItem& assign) = 0;
   /// For people: "subpolygon 3 of frame 1".

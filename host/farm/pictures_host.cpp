@@ -3,22 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstring>
+#include <limits>
 #include <utility>
 
-#include "common/lighting/render_pass.h"
-#include "host/farm/preview.h"
 #include "protocol/block_codec.h"
 
 namespace rayfarm {
-
-namespace {
-
-size_t area_of(const DisplayPolygon& p) {
-  return static_cast<size_t>(p.right - p.left + 1) * static_cast<size_t>(p.bottom - p.top + 1);
-}
-
-}  // namespace
 
 PicturesHost::PicturesHost(Transport& transport, const FarmHostOptions& options, JobResult& result,
                            const Tell& tell, Assignment& assignment)
@@ -28,8 +18,9 @@ PicturesHost::PicturesHost(Transport& transport, const FarmHostOptions& options,
       tell_(tell),
       assignment_(assignment),
       phase_(PicturesPhase{{}, options.plan.pictures.grid, {}}),
+      files_(options, result, tell),
       journal_(options.journals.every_s),
-      frames_(options.plan.pictures.frames.size()),
+      has_journal_(options.files.size()),
       pixels_of_node_(static_cast<size_t>(options.plan.processors) + 1),
       step_of_node_(pixels_of_node_.size()) {
   const PicturesPhase& all = options.plan.pictures;
@@ -48,49 +39,36 @@ void PicturesHost::begin(const FrameGroup& group) {
   is_at_work_ = true;
   std::fill(step_of_node_.begin(), step_of_node_.end(), std::nullopt);
   resumed_.clear();
-  for (const auto& [frame, head] : options_.journals.found)
-    if (frame >= group.first && frame.value() < group.first.value() + group.count) resume(frame, head);
+  room_step_ = StepIndex();
 }
 
-void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
-  const std::string path = journal_of(options_.files[frame.place()]);
-  begin_frame(frame);
-  const uint64_t end = read_journal(path, head, [&](std::span<const std::byte> record) {
-    try {
-      BlockResult block = decode_block(record);
-      check(block.report);
-      const std::optional<ItemIndex> item = item_of(block.report, block.pass);
-      if (!item || of_job(pictures().step_of(*item)) != frame || resumed_.contains(*item)) return;
-      const Bytes unpacked = block.is_compressed ? pixels_of(block) : Bytes();
-      if (block.is_compressed) block.pixels = unpacked;
-      check_size(block);
-      store(block);
-      resumed_.insert(*item);
-      show(NodeId(), block);
-    } catch (const ProtocolError&) {  // whole, but no result of this frame: it is traced again
-    }
-  });
-  result_.pixels_resumed += static_cast<uint64_t>(frames_[frame.place()].pixels_there);
-  result_.frames[frame.place()].is_resumed = frames_[frame.place()].pixels_there > 0;
-  journal_.go_on(path, end);
-}
-
-PhaseWork PicturesHost::work() const {
+PhaseWork PicturesHost::work() {
   PhaseWork work;
   work.steps = pictures().steps();
   work.items_per_step = pictures().items_per_step();
   const bool has_passes = pictures().passes > 1;
   // A pass goes on from the whole of the one before.
   work.window_steps = has_passes ? 1 : options_.window_frames;
-  if (!resumed_.empty() || has_passes)
-    work.is_done = [this](ItemIndex item) {
-      // Of a frame that failed in an earlier pass there is nothing to go on from.
-      return resumed_.contains(item) ||
-             !result_.frames[of_job(pictures().step_of(item)).place()].problem.empty();
-    };
+  if (!options_.journals.found.empty() || has_passes)
+    work.is_done = [this](ItemIndex item) { return needs_no_work(item); };
   if (options_.plan.policy == AssignmentPolicy::interleaved)
     work.owner_of = [this](ItemIndex item) { return owner_of(options_.plan, pictures(), item); };
+  else if (options_.is_streamed())
+    work.allowed_end = end_of_room();
   return work;
+}
+
+ItemIndex PicturesHost::end_of_room() {
+  if (room_step_.value() == pictures().steps()) return ItemIndex(std::numeric_limits<int64_t>::max());
+  const FrameIndex frame = of_job(room_step_);
+  if (!files_.has_begun(frame)) files_.begin(frame);
+  return pictures().item_of(room_step_, files_.end_of_room(frame));
+}
+
+void PicturesHost::release(StepIndex step, double now) {
+  if (is_last_pass(step)) resumed_.erase(of_job(step));
+  room_step_ = std::max(room_step_, StepIndex(step.value() + 1));
+  assignment_.release(step, now);
 }
 
 void PicturesHost::assign(const AssignItem& assign) {
@@ -99,9 +77,8 @@ void PicturesHost::assign(const AssignItem& assign) {
   if (selected != step) transport_.send(assign.node, SelectStep{step});
   selected = step;
   if (pictures().pass_of(step) > 0)
-    transport_.send(
-        assign.node,
-        GoOnFrom{frames_[of_job(step).place()].running[pictures().subpolygon_of(assign.item).place()]});
+    transport_.send(assign.node,
+                    GoOnFrom{files_.running(of_job(step), pictures().subpolygon_of(assign.item))});
   transport_.send(assign.node, Channel::command,
                   encode_display_polygon(processor_of(assign.node), pictures().polygon_of(assign.item)));
 }
@@ -114,55 +91,28 @@ std::string PicturesHost::name_of(ItemIndex item) const {
                          : "");
 }
 
-void PicturesHost::write_pass(StepIndex step) {
-  const FrameIndex frame = of_job(step);
-  FrameBuffer& buffer = frames_[frame.place()];
-  // A disk slower than the nodes gets the picture of a later pass in place of this one.
-  if (std::exchange(buffer.is_pass_in_writing, true)) return;
-  const int pass = pictures().pass_of(step), passes = pictures().passes;
-  FrameWriter::Job job{frame, options_.files[frame.place()], options_.image, options_.attributes, false};
-  job.attributes["rayfarm/frame"] = fmt::format("{}", result_.frames[frame.place()].frame.value());
-  job.attributes["rayfarm/pass"] = fmt::format("{} of {}", pass + 1, passes);
-  const RenderPass of_samples{static_cast<uint32_t>(pass), static_cast<uint32_t>(passes), {}};
-  job.attributes["rayfarm/samples"] = fmt::format("{}", of_samples.end(options_.passes.samples));
-  const PictureInWriting picture = writer_.begin(std::move(job));
-  writer_.write(picture, std::make_shared<std::vector<std::byte>>(buffer.pixels));
-  writer_.end(picture);
-}
-
 void PicturesHost::complete(StepIndex step, double now) {
   const FrameIndex frame = of_job(step);
-  const size_t i = frame.place();
-  if (!result_.frames[i].problem.empty()) {  // failed in an earlier pass
-    assignment_.release(step, now);
+  const bool has_failed = !result_.frames[frame.place()].problem.empty();  // in an earlier pass
+  if (!has_failed && is_last_pass(step)) {
+    files_.complete(frame);
     return;
   }
-  if (!is_last_pass(step)) {
-    write_pass(step);
-    assignment_.release(step, now);
-    return;
-  }
-  frames_[i].running = {};
-  FrameWriter::Job job{frame, options_.files[i], options_.image, options_.attributes};
-  job.attributes["rayfarm/frame"] = fmt::format("{}", result_.frames[i].frame.value());
-  job.attributes["rayfarm/rays"] = fmt::format("{}", result_.frames[i].rays.total());
-  const PictureInWriting picture = writer_.begin(std::move(job));
-  writer_.write(picture, std::make_shared<std::vector<std::byte>>(std::move(frames_[i].pixels)));
-  writer_.end(picture);
+  if (!has_failed) files_.write_pass(frame, pictures().pass_of(step));
+  release(step, now);
 }
 
 void PicturesHost::fail(const StepFailed& failed, double now) {
-  const size_t i = of_job(failed.step).place();
-  FrameResult& frame = result_.frames[i];
-  frames_[i].pixels = {};
-  frames_[i].running = {};
+  const FrameIndex index = of_job(failed.step);
+  FrameResult& frame = result_.frames[index.place()];
+  files_.drop(index);
   frame.problem = fmt::format("a subpolygon failed three times: {}", failed.problem);
   tell_(fmt::format("frame {} failed: {}", frame.frame.value(), frame.problem));
-  assignment_.release(failed.step, now);
+  release(failed.step, now);
 }
 
 void PicturesHost::forget(NodeId node) {
-  pixels_of_node_[node.place()] = {};
+  pixels_of_node_[node.place()] = std::vector<PixelResult>();
   step_of_node_[node.place()].reset();
 }
 
@@ -179,19 +129,22 @@ std::optional<ItemIndex> PicturesHost::item_of(const SubpolygonReport& report, i
   return pictures().item_of(pictures().step_of(FrameIndex(frame), pass), report.subpolygon);
 }
 
-Bytes PicturesHost::pixels_of(const BlockResult& block) const {
+void PicturesHost::receive_block(NodeId node, Bytes message, double now) {
+  const BlockResult block = decode_block(message);
+  check(block.report);
+  if (!block.is_compressed) {
+    const size_t net_bytes = block.pixels.size();
+    keep_block({node, std::move(message), block, net_bytes, {}, {}, {}}, now);
+    return;
+  }
   const DisplayPolygon p = pictures().grid.polygon(block.report.subpolygon);
-  return decompress_rgb8(block.pixels, p.right - p.left + 1, p.bottom - p.top + 1);
+  decoders_.submit(node, std::move(message), block, p.right - p.left + 1, p.bottom - p.top + 1);
 }
 
-void PicturesHost::receive_block(NodeId node, std::span<const std::byte> bytes, double now) {
-  BlockResult block = decode_block(bytes);
-  check(block.report);
-  const size_t pixel_bytes = block.pixels.size();
-  const Bytes unpacked = block.is_compressed ? pixels_of(block) : Bytes();
-  if (block.is_compressed) block.pixels = unpacked;
-  if (keep_result(node, block, pixel_bytes, now))
-    journal_.append(journal_of(file_of(block.report.frame)), bytes);
+void PicturesHost::keep_block(const BlockDecoders::Decoded& decoded, double now) {
+  if (!decoded.problem.empty()) throw ProtocolError(decoded.problem);
+  if (keep_result(decoded.node, decoded.block, decoded.net_bytes, now))
+    journal_.append(journal_of(file_of(decoded.block.report.frame)), decoded.message);
 }
 
 void PicturesHost::receive_pixels(NodeId node, std::span<const std::byte> bytes) {
@@ -249,8 +202,9 @@ bool PicturesHost::keep_result(NodeId node, const BlockResult& result, size_t by
     return false;
   }
   const FrameIndex frame = index_of_frame_.at(report.frame);
-  if (frames_[frame.place()].is_there.empty()) {
-    begin_frame(frame);
+  if (!files_.has_begun(frame)) files_.begin(frame);
+  if (!has_journal_[frame.place()]) {
+    has_journal_[frame.place()] = true;
     JournalLines lines = options_.journals.lines;
     lines.emplace_back("frame", fmt::format("{}", report.frame.value()));
     const SubpolygonGrid& grid = pictures().grid;
@@ -279,35 +233,15 @@ bool PicturesHost::keep_result(NodeId node, const BlockResult& result, size_t by
   return true;
 }
 
-void PicturesHost::begin_frame(FrameIndex frame) {
-  FrameBuffer& buffer = frames_[frame.place()];
-  buffer.pixels.resize(static_cast<size_t>(options_.image.window.area()) * options_.image.layout.bytes);
-  buffer.is_there.resize(static_cast<size_t>(pictures().items_per_step()));
-  if (pictures().passes > 1) buffer.running.resize(buffer.is_there.size());
-}
-
 void PicturesHost::store(const BlockResult& result) {
   const SubpolygonReport& report = result.report;
-  const DisplayPolygon p = pictures().grid.polygon(report.subpolygon);
-  const PixelRect& window = options_.image.window;
-  const size_t pixel_bytes = options_.image.layout.bytes;
-  FrameBuffer& frame = frames_[index_of_frame_.at(report.frame).place()];
-  const size_t row_bytes = static_cast<size_t>(window.width()) * pixel_bytes;
-  const size_t own_row_bytes = static_cast<size_t>(p.right - p.left + 1) * pixel_bytes;
-  for (int y = p.top; y <= p.bottom; ++y)
-    std::memcpy(frame.pixels.data() + static_cast<size_t>(y - window.y0) * row_bytes +
-                    static_cast<size_t>(p.left - window.x0) * pixel_bytes,
-                result.pixels.data() + static_cast<size_t>(y - p.top) * own_row_bytes, own_row_bytes);
-  frame.is_there[report.subpolygon.place()] = true;
-  if (!frame.running.empty())
-    frame.running[report.subpolygon.place()].assign(result.running.begin(), result.running.end());
-  frame.pixels_there += static_cast<int64_t>(area_of(p));
-  const RayCounts rays{report.rays, report.ray_tallies};
-  FrameResult& frame_result = result_.frames[index_of_frame_.at(report.frame).place()];
+  const FrameIndex frame = index_of_frame_.at(report.frame);
+  files_.store(frame, result);
+  FrameResult& frame_result = result_.frames[frame.place()];
   frame_result.sees_anything |= report.sees_anything;
   if (result.pass + 1 == pictures().passes) frame_result.not_finite += report.not_finite;
-  frame_result.rays += rays;
-  result_.pixels_kept += area_of(p);
+  frame_result.rays += RayCounts{report.rays, report.ray_tallies};
+  result_.pixels_kept += area_of(pictures().grid.polygon(report.subpolygon));
 }
 
 void PicturesHost::show(NodeId node, const BlockResult& result) const {
@@ -340,36 +274,24 @@ void PicturesHost::tell_what_is_odd(const FrameResult& frame) const {
 }
 
 void PicturesHost::take_written(double now) {
-  while (writer_.try_take_band()) {  // whole pictures, which are let go of with their ends
-  }
-  while (const auto written = writer_.try_take()) {
-    FrameResult& frame = result_.frames[written->frame.place()];
-    if (!written->is_last_pass) {
-      frames_[written->frame.place()].is_pass_in_writing = false;
-      result_.times.write_s += written->seconds;
-      if (!written->problem.empty())
-        tell_(fmt::format("frame {}: a pass's picture could not be written: {}", frame.frame.value(),
-                          written->problem));
-      continue;
+  for (const FrameIndex index : files_.take_written()) {
+    const FrameResult& frame = result_.frames[index.place()];
+    if (frame.is_written) {
+      journal_.remove(journal_of(frame.file));
+      tell_what_is_odd(frame);
     }
-    frame.problem = written->problem;
-    frame.sha256 = written->sha256;
-    frame.is_written = written->problem.empty();
-    if (frame.is_written) journal_.remove(journal_of(frame.file));
-    frame.is_black = written->is_black;
-    result_.times.write_s += written->seconds;
-    if (!written->problem.empty())
-      tell_(fmt::format("frame {} failed: {}", frame.frame.value(), written->problem));
-    tell_what_is_odd(frame);
     // None of an earlier phase is left: that was over when all were written.
-    const FrameIndex of_phase(written->frame.value() - pictures().first.value());
-    assignment_.release(pictures().step_of(of_phase, pictures().passes - 1), now);
+    const FrameIndex of_phase(index.value() - pictures().first.value());
+    const StepIndex step = pictures().step_of(of_phase, pictures().passes - 1);
+    if (!frame.is_written) assignment_.abandon(step, now);
+    release(step, now);
   }
+  if (is_at_work_ && options_.is_streamed()) assignment_.allow_before(end_of_room(), now);
   for (const std::string& problem : journal_.take_problems()) tell_(problem);
 }
 
 void PicturesHost::finish(double now, bool with_previews) {
-  writer_.finish();
+  files_.finish();
   take_written(now);
   journal_.sync();
   for (const std::string& problem : journal_.take_problems()) tell_(problem);
@@ -377,20 +299,16 @@ void PicturesHost::finish(double now, bool with_previews) {
 }
 
 void PicturesHost::tell_of_unfinished(bool with_previews) {
-  for (FrameIndex i; i.place() < frames_.size(); ++i) {
-    const FrameBuffer& frame = frames_[i.place()];
+  for (FrameIndex i; i.place() < result_.frames.size(); ++i) {
     const FrameResult& of = result_.frames[i.place()];
-    if (frame.is_there.empty() || of.is_written) continue;
+    if (files_.pixels_there(i) == 0 || of.is_written) continue;
     UnfinishedFrame unfinished{of.frame,
-                               static_cast<double>(frame.pixels_there) /
-                                   static_cast<double>(options_.image.window.area() * pictures().passes),
-                               journal_.keeps_any() ? journal_of(of.file) : "",
+                               files_.share_there(i),
+                               journal_.is_whole(journal_of(of.file)) ? journal_of(of.file) : "",
                                {}};
-    if (with_previews && !frame.pixels.empty()) {
-      const std::string path = preview_of(of.file);
+    if (with_previews) {
       try {
-        write_preview(path, options_.image, frame.pixels, pictures().grid, frame.is_there);
-        unfinished.preview = path;
+        unfinished.preview = files_.write_preview(i);
       } catch (const std::exception& e) {
         tell_(fmt::format("there is no preview of frame {}: {}", of.frame.value(), e.what()));
       }

@@ -36,12 +36,12 @@ bool is_preview(const std::string& path) {
   }
 }
 
-void write_preview(const std::string& path, const Image& image, std::span<const std::byte> pixels,
-                   const SubpolygonGrid& grid, const std::vector<bool>& is_there) {
+void write_preview(const std::string& path, const Image& image, const FrameBuffer& buffer) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !is_preview(path))
     throw std::runtime_error(path + " is another picture");
   const PixelRect& window = image.window;
+  const SubpolygonGrid& grid = buffer.grid();
   const int step = (std::max(window.width(), window.height()) + kLongestSide_px - 1) / kLongestSide_px;
   const std::array<PixelChannel, 3> channels = colour_channels(image.layout);
   Image preview;
@@ -53,19 +53,17 @@ void write_preview(const std::string& path, const Image& image, std::span<const 
   std::vector<std::byte> row(3 * static_cast<size_t>(preview.width_px));
   int grid_row = 0;
   for (int y = 0; y < preview.height_px; ++y) {
-    while (grid.polygon(SubpolygonId(grid_row * grid.columns)).bottom - window.y0 < y * step) ++grid_row;
+    while (grid.polygon(grid.first_of_row(grid_row)).bottom - window.y0 < y * step) ++grid_row;
     // Subpolygon by subpolygon: which one a pixel belongs to need not be asked pixel by pixel.
-    for (int column = 0; column < grid.columns; ++column) {
-      const SubpolygonId i(grid_row * grid.columns + column);
+    for (SubpolygonId i = grid.first_of_row(grid_row); i < grid.first_of_row(grid_row + 1); ++i) {
       const DisplayPolygon p = grid.polygon(i);
       for (int x = (p.left - window.x0 + step - 1) / step; x * step <= p.right - window.x0; ++x) {
-        const size_t from = static_cast<size_t>(y * step) * static_cast<size_t>(window.width()) +
-                            static_cast<size_t>(x * step);
+        const std::byte* from =
+            buffer.is_there(i) ? buffer.pixel(window.x0 + x * step, window.y0 + y * step) : nullptr;
         for (size_t c = 0; c < 3; ++c)
           row[3 * static_cast<size_t>(x) + c] = static_cast<std::byte>(
-              is_there[i.place()]
-                  ? encode_srgb8(decode_value(channels[c], pixels.data() + from * image.layout.bytes))
-                  : kChequerGreys[static_cast<size_t>((x / kChequer_px + y / kChequer_px) % 2)]);
+              from ? encode_srgb8(decode_value(channels[c], from))
+                   : kChequerGreys[static_cast<size_t>((x / kChequer_px + y / kChequer_px) % 2)]);
       }
     }
     writer.write_rows(row);

@@ -1,11 +1,9 @@
 #pragma once
 // Pictures of frames that are not whole: what there is of them, for who stopped the job and wants to see.
-#include <span>
 #include <string>
-#include <vector>
 
 #include "common/image/image.h"
-#include "protocol/subpolygons.h"
+#include "host/farm/frame_buffer.h"
 
 namespace rayfarm {
 
@@ -18,7 +16,7 @@ bool is_preview(const std::string& path);
 /// 8 bits a channel; a chequer of greys stands for subpolygons that are not there. Throws IoError, and
 /// std::runtime_error if the pixels hold no colour, or something else stands there.
 /// \param image size, window and layout of the pixels
-void write_preview(const std::string& path, const Image& image, std::span<const std::byte> pixels,
-                   const SubpolygonGrid& grid, const std::vector<bool>& is_there);
+/// \param buffer with all its bands
+void write_preview(const std::string& path, const Image& image, const FrameBuffer& buffer);
 
 }  // namespace rayfarm

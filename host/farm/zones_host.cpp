@@ -29,7 +29,7 @@ void ZonesHost::begin(const ZoneStage& stage, FrameNumber frame, uint32_t number
   result_.zones.data_bytes += stage.data.size();
 }
 
-PhaseWork ZonesHost::work() const {
+PhaseWork ZonesHost::work() {
   PhaseWork work;
   work.items_per_step = static_cast<int>(zones().items());
   if (plan_.policy == AssignmentPolicy::interleaved)

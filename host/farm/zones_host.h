@@ -26,7 +26,7 @@ class ZonesHost : public PhaseHost {
   void receive(NodeId node, std::span<const std::byte> message, double now);
 
   const Phase& phase() const override { return phase_; }
-  PhaseWork work() const override;
+  PhaseWork work() override;
   void assign(const AssignItem& assign) override;
   std::string name_of(ItemIndex item) const override;
   void complete(StepIndex step, double now) override { assignment_.release(step, now); }

@@ -39,6 +39,24 @@ std::vector<std::string> name_limits(const RenderOptions& options, const Subpoly
   return note.empty() ? std::vector<std::string>{} : std::vector{note};
 }
 
+std::vector<std::string> name_streaming(const RenderOptions& options, const FarmHostOptions& job) {
+  if (!job.is_streamed()) return {};
+  const auto mib = [](size_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
+  std::vector<std::string> notes{
+      fmt::format("pictures of {:.2f} MiB leave for their files row by row of subpolygons, as {:.2f} MiB are "
+                  "left to pixels in the making (--frame-memory); there are no previews of them",
+                  mib(job.picture_bytes()), mib(job.frame_bytes))};
+  if (2 * job.band_bytes() > job.frame_bytes)
+    notes.push_back(fmt::format(
+        "two of these rows are always in memory, and take {:.2f} MiB{}", mib(2 * job.band_bytes()),
+        job.journals.found.empty() ? "" : ": the picture is cut as an earlier run cut it"));
+  if (options.policy == AssignmentPolicy::interleaved)
+    notes.emplace_back(
+        "--assign interleaved: subpolygons are handed out on demand, as nodes would not wait until there "
+        "is memory for theirs");
+  return notes;
+}
+
 namespace {
 bool has_lighting_tree(LightingModel model) {
   return model == LightingModel::whitted || model == LightingModel::thesis;
@@ -114,6 +132,9 @@ std::vector<std::string> name_idle_options(const RenderOptions& options, bool is
       (s.lighting == LightingModel::thesis || follows_paths(s.lighting)))
     notes.emplace_back(
         "--ambient-colour belongs to --lighting phong, torrance-sparrow and whitted, and does nothing here");
+  if (options.passes > 1 && options.frame_memory_GiB != RenderOptions().frame_memory_GiB)
+    notes.emplace_back(
+        "--frame-memory does nothing beside --passes, as each pass goes on from the whole of the one before");
   if (options.passes > 1 && s.sampling != SamplingPattern::sobol)
     notes.emplace_back(
         "--passes: of other patterns than --sampling sobol the first samples lie in a part of each pixel, "

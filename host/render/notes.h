@@ -1,6 +1,7 @@
 #pragma once
 // What is said before a render begins: options and parts of the scene that do nothing, and what becomes of
 // the view.
+#include "host/farm/farm_options.h"
 #include "host/render/choices.h"
 
 namespace rayfarm {
@@ -8,6 +9,9 @@ namespace rayfarm {
 /// Names what the picture leaves of the subpolygons asked for, if anything is missing.
 std::vector<std::string> name_limits(const RenderOptions& options, const SubpolygonGrid& grid,
                                      int processors);
+
+/// What becomes of a picture that is larger than the memory that it may take on the host.
+std::vector<std::string> name_streaming(const RenderOptions& options, const FarmHostOptions& job);
 
 /// Names options that do nothing beside others. `is_one_process`: host and nodes share it.
 std::vector<std::string> name_idle_options(const RenderOptions& options, bool is_one_process);

@@ -4,6 +4,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 
@@ -66,7 +67,8 @@ class Render {
       log_->error(e.what());
       ending.exit_code = is_loaded_ ? kRenderFailure : kSceneError;
     } catch (const std::bad_alloc&) {
-      log_->error("out of memory; a smaller --size, or a machine with more memory, is needed");
+      log_->error(
+          "out of memory; a smaller --size or --frame-memory, or a machine with more memory, is needed");
       ending.exit_code = kRenderFailure;
     } catch (const std::exception& e) {
       log_->error(e.what());
@@ -130,6 +132,7 @@ class Render {
       } catch (const std::domain_error& e) {
         throw InputError({options_.scene}, fmt::format("at frame {}: {}", frame.value(), e.what()));
       }
+      refuse_if_in_work(file);
       std::optional<JournalHead> journal;
       if (options_.resume) {
         journal = find_journal(file, frame, journal_lines);
@@ -246,7 +249,13 @@ class Render {
       farm_options.files.push_back(picture.file);
     }
     check_outputs_are_no_inputs(options_, farm_options.files, loaded_->description.files);
-    farm_options.plan = make_plan(options_, settings, frames, farm_.transport.node_count());
+    // The machine's copy of the scene is still to come.
+    const size_t copy_bytes = farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size;
+    farm_options.frame_bytes = choose_frame_bytes(options_, copy_bytes);
+    farm_options.image = {
+        settings.width_px, settings.height_px, settings.crop, make_pixel_layout(settings.pixel_format), {}};
+    farm_options.plan =
+        make_plan(options_, settings, frames, farm_.transport.node_count(), farm_options.frame_bytes);
     for (const std::string& note : adopt_journals(settings.crop, options_, farm_options)) log_->info(note);
     const JobPlan& plan = farm_options.plan;
     const SubpolygonGrid& grid = plan.pictures.grid;
@@ -255,13 +264,11 @@ class Render {
       return kComplete;
     }
     if (options_.bake) prepare_bake(settings, farm_options);
-    farm_options.window_frames =
-        options_.bake
-            ? 1
-            : choose_window(
-                  settings, frames.size(), grid.count(),
-                  farm_.transport.is_one_process() ? 0 : loaded_->compiled.block.size,  // the machine's copy
-                  options_.passes);
+    if (!options_.bake) {
+      farm_options.window_frames =
+          choose_window(settings, grid, farm_options.frame_bytes, copy_bytes, options_.passes);
+      for (const std::string& note : name_streaming(options_, farm_options)) log_->info(note);
+    }
     if (!options_.bake && options_.wire == Wire::pixel &&
         natural_format(options_.output) != PixelFormat::rgb8)
       log_->warn("the pixel wire carries 8 bits a channel: the EXR holds no more than that");
@@ -299,8 +306,6 @@ class Render {
     result_.times.broadcast_s = now_s() - broadcast_begin;
     log_->debug("the scene is loaded everywhere; tracing begins");
 
-    farm_options.image = {
-        settings.width_px, settings.height_px, settings.crop, make_pixel_layout(settings.pixel_format), {}};
     farm_options.keeps_traced_by = !options_.stats.empty() || options_.is_full_report;
     farm_options.keeps_costs = !options_.cost_map.empty();
     farm_options.node_timeout_s = options_.node_timeout_s;
@@ -346,11 +351,16 @@ class Render {
       if (!frame.preview.empty())
         log_->info("frame {} can be looked at in {}", frame.frame.value(), frame.preview);
     }
+    const auto& left = result_.unfinished;
+    const bool can_resume = options_.journal_every_s > 0 &&
+                            (left.empty() || std::any_of(left.begin(), left.end(), [](const auto& frame) {
+                               return !frame.journal.empty();
+                             }));
     if (result_.was_interrupted)
       throw JobError(kStopped,
                      fmt::format("stopped{}; frames that were finished are in place; {} goes on from there",
                                  interrupted_by() == SIGALRM ? " by --max-time" : "",
-                                 options_.journal_every_s > 0 ? "--resume" : "--skip-existing"));
+                                 can_resume ? "--resume" : "--skip-existing"));
     if (result_.lost_all_nodes) {
       const std::string problem = result_.first_problem();
       throw JobError(kRenderFailure, problem.empty() ? "every node is lost"

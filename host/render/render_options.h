@@ -43,7 +43,8 @@ struct RenderOptions {
   BuildOptions build;
   int local_nodes = 0;  ///< 0: one per core
   double node_timeout_s = liveness::kNodeTimeout_s;
-  int passes = 1;  ///< of each picture, which can be looked at after each
+  double frame_memory_GiB = 1;  ///< that pixels of frames in the making may take on the host
+  int passes = 1;               ///< of each picture, which can be looked at after each
   bool skip_existing = false;
   bool resume = false;         ///< goes on from journals of an earlier run
   double journal_every_s = 2;  ///< between two times that journals are written to the disk; 0: none are kept

@@ -1,4 +1,5 @@
 // Host and nodes as threads, with workers that misbehave.
+#include <atomic>
 #include <cmath>
 #include <thread>
 
@@ -20,7 +21,7 @@ class Painter : public PictureWorker {
  public:
   explicit Painter(std::function<bool(int frame, const DisplayPolygon&)> fails) : fails_(std::move(fails)) {}
   void set_zones(std::span<const std::byte>) override { FAIL() << "there are none"; }
-  ItemResult work(FrameNumber number, const DisplayPolygon& p, const RenderPass&,
+  ItemResult work(FrameNumber number, const DisplayPolygon& p, const RenderPass& pass,
                   const std::function<void()>& pulse) override {
     const int frame = number.value();
     if (fails_(frame, p)) throw std::runtime_error("the tracer's own error");
@@ -29,6 +30,7 @@ class Painter : public PictureWorker {
       for (int x = p.left; x <= p.right; ++x)
         for (const int v : {x, y, frame}) painted.bytes.push_back(static_cast<std::byte>(v));
     painted.rays[RayKind::primary] = painted.bytes.size() / 3;
+    if (!pass.is_last()) painted.running = painted.bytes;
     pulse();
     return painted;
   }
@@ -68,7 +70,8 @@ void run_failing_node(Transport& transport, NodeId node) {
 }
 
 FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wire wire,
-                 const RunNode& run_one_node, const Bytes& settings = {}) {
+                 const RunNode& run_one_node, const Bytes& settings = {},
+                 const std::function<void(FarmHostOptions&)>& change = {}) {
   FarmRun run;
   run.folder = std::filesystem::path(test::write_temporary("farm-marker", "")).parent_path();
   const auto ends = make_local_transports(nodes);
@@ -88,6 +91,7 @@ FarmRun run_farm(int nodes, std::vector<int> frames, AssignmentPolicy policy, Wi
   options.progress = ProgressStyle::none;
   for (const int frame : frames)
     options.files.push_back((run.folder / fmt::format("f{}.png", frame)).string());
+  if (change) change(options);
   for (int i = 1; i <= nodes; ++i) {
     run.result.nodes.push_back({});
     run.result.nodes.back().id = NodeId(i);
@@ -116,6 +120,81 @@ TEST(Farm, EveryPolicyAndWireAssemblesThePicture) {
         }
       EXPECT_EQ(run.result.rays[RayKind::primary], 2u * 40 * 30);
     }
+}
+
+TEST(Farm, APictureLargerThanItsMemoryIsTheSame) {
+  for (const auto wire : {Wire::block, Wire::pixel}) {
+    const FarmRun whole = run_farm(3, {4, 9, 11}, AssignmentPolicy::on_demand, wire, painting_nodes(never));
+    const FarmRun streamed = run_farm(3, {4, 9, 11}, AssignmentPolicy::on_demand, wire, painting_nodes(never),
+                                      {}, [](FarmHostOptions& options) {
+                                        options.frame_bytes = 3 * 40 * 8;
+                                        options.window_frames = 1;
+                                      });
+    EXPECT_TRUE(streamed.told.empty());
+    for (size_t i = 0; i < 3; ++i) {
+      EXPECT_TRUE(streamed.result.frames[i].is_written);
+      EXPECT_EQ(streamed.result.frames[i].sha256, whole.result.frames[i].sha256);
+    }
+  }
+}
+
+TEST(Farm, APictureThatCannotBeWrittenEndsSoonAndTheNextIsMade) {
+  std::atomic<int> traced{0};
+  const auto count = [&traced](int frame, const DisplayPolygon&) {
+    if (frame == 4) {
+      ++traced;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+  };
+  const FarmRun run = run_farm(2, {4, 9}, AssignmentPolicy::on_demand, Wire::block, painting_nodes(count), {},
+                               [](FarmHostOptions& options) {
+                                 options.plan.pictures.grid = {0, 0, 40, 30, 40, 30};
+                                 options.files[0] = "/nowhere/at/all.png";
+                                 options.frame_bytes = 3 * 40 * 8;
+                                 options.window_frames = 1;
+                               });
+  EXPECT_NE(run.result.frames[0].problem.find("/nowhere/at/all.png"), std::string::npos);
+  EXPECT_TRUE(run.result.frames[1].is_written);
+  EXPECT_LT(traced, 600);  // of 1,200
+  ASSERT_EQ(run.told.size(), 1u);
+  EXPECT_NE(run.told[0].find("frame 4 failed"), std::string::npos);
+}
+
+TEST(Farm, PassesOfAPictureThatCannotBeWrittenEnd) {
+  // Items of the last pass are about to be handed out, with what the pass before gave, when the first band
+  // fails.
+  for (int round = 0; round < 5; ++round) {
+    const FarmRun run = run_farm(2, {4, 9}, AssignmentPolicy::on_demand, Wire::block, painting_nodes(never),
+                                 {}, [](FarmHostOptions& options) {
+                                   options.plan.pictures.grid = {0, 0, 40, 30, 40, 30};
+                                   options.plan.pictures.passes = 3;
+                                   options.passes = {3, 3};
+                                   options.files[0] = "/nowhere/at/all.png";
+                                 });
+    EXPECT_NE(run.result.frames[0].problem.find("/nowhere/at/all.png"), std::string::npos);
+    EXPECT_TRUE(run.result.frames[1].is_written);
+  }
+}
+
+TEST(FrameWriter, WhatIsDroppedIsNotWrittenFirst) {
+  const auto folder = std::filesystem::path(test::write_temporary("writer-marker", "")).parent_path();
+  const Image image{1024, 12800, {0, 0, 1024, 12800}, make_pixel_layout(PixelFormat::half_float), {}};
+  const auto band = std::make_shared<std::vector<std::byte>>(size_t{1024} * 64 * image.layout.bytes);
+  for (size_t i = 0; i < band->size(); ++i) (*band)[i] = static_cast<std::byte>(i * i >> 3);
+  const std::filesystem::path file = folder / "dropped.exr";
+  std::filesystem::remove(file);
+  FrameWriter writer;
+  const PictureInWriting picture = writer.begin({FrameIndex(0), file.string(), image, {}});
+  for (int i = 0; i < 200; ++i) writer.write(picture, band);
+  writer.drop(picture);
+  writer.finish();
+  int written = 0;
+  while (writer.try_take_band()) ++written;
+  EXPECT_LT(written, 100);
+  EXPECT_FALSE(writer.try_take());
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(band.use_count(), 1);
 }
 
 TEST(Farm, NodesOfOneProcessRenderAScene) {
@@ -224,11 +303,20 @@ TEST(Preview, ShowsEveryOtherPixelOfWhatIsThere) {
   std::vector<std::byte> pixels(3 * static_cast<size_t>(window.area()));
   for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::byte>(i * 7919 % 251);
   const SubpolygonGrid grid{window.x0, window.y0, width, height, 7, 5};
-  std::vector<bool> is_there(static_cast<size_t>(grid.count()));
-  for (size_t i = 0; i < is_there.size(); ++i) is_there[i] = i % 3 != 1;
+  FrameBuffer buffer(window, 3, grid, pixels.size());
+  for (SubpolygonId i; i.value() < grid.count(); ++i) {
+    if (i.value() % 3 == 1) continue;
+    const DisplayPolygon p = grid.polygon(i);
+    std::vector<std::byte> own;
+    for (int y = p.top; y <= p.bottom; ++y) {
+      const auto* row = pixels.data() + 3 * ((y - window.y0) * width + (p.left - window.x0));
+      own.insert(own.end(), row, row + 3 * (p.right - p.left + 1));
+    }
+    buffer.store(i, own, true);
+  }
   const std::string path = test::write_temporary("some.partial.png", "");
   std::filesystem::remove(path);
-  write_preview(path, image, pixels, grid, is_there);
+  write_preview(path, image, buffer);
   EXPECT_TRUE(is_preview(path));
   ASSERT_EQ(read_image_info(path).window, (PixelRect{0, 0, 2100, 16}));
   const std::vector<float> shown = test::read_pixels(path);
@@ -240,7 +328,7 @@ TEST(Preview, ShowsEveryOtherPixelOfWhatIsThere) {
       };
       while (!holds(grid.polygon(i))) ++i;
       const size_t from = 3 * static_cast<size_t>(2 * y * width + 2 * x);
-      const int expected = is_there[i.place()]          ? static_cast<int>(pixels[from])
+      const int expected = buffer.is_there(i)           ? static_cast<int>(pixels[from])
                            : (x / 16 + y / 16) % 2 == 1 ? 160
                                                         : 96;
       ASSERT_EQ(std::lround(255 * shown[3 * static_cast<size_t>(2100 * y + x)]), expected) << x << " " << y;

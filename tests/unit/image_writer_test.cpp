@@ -378,7 +378,8 @@ TEST_F(FrameWriters, LeaveNothingOfWhatIsDroppedOrFails) {
     EXPECT_FALSE(writer.try_take());
     int rows = 0;
     while (const auto band = writer.try_take_band()) rows += band->rows;
-    EXPECT_EQ(rows, 32 + 32 + 64 + 64);
+    // What waits of one that is dropped is not told.
+    EXPECT_TRUE(rows == 32 + 64 + 64 || rows == 32 + 32 + 64 + 64) << rows;
   }
   ASSERT_EQ(files().size(), 1u);
   EXPECT_EQ(files()[0].filename(), "good.png");

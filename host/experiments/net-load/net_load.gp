@@ -33,7 +33,7 @@ set ylabel "speed-up"
 set title "Simulated, with the numbers of 1985: 0.04 s a pixel, 8 Mbit/s, 1024 x 1024"
 plot "beyond.dat" index 0 using 1:2 with linespoints lc 1 title "pixel wire, 9 bytes", \
      "" index 1 using 1:2 with linespoints lc 2 title "block wire, 3 bytes", \
-     "" index 2 using 1:2 with linespoints lc 3 title "compressed, 0.71 bytes", \
+     "" index 2 using 1:2 with linespoints lc 3 title "compressed, 0.59 bytes", \
      "+" using (4444):(4444) every ::0::0 with points pt 3 ps 2 lc 0 title "the thesis: 4,444"
 set output "rays.svg"
 unset logscale
