@@ -3,16 +3,12 @@
 #include "common/image/film.h"
 #include "common/lighting/eye_rays.h"
 #include "common/lighting/pixel_blocks.h"
+#include "common/lighting/pulse.h"
 #include "common/lighting/running_pixel.h"
 #include "common/math/portable_math.h"
 #include "common/sampling/warps.h"
 
 namespace rayfarm {
-namespace {
-
-constexpr size_t kRaysPerPulse = 64;
-
-}  // namespace
 
 /// One rectangle of the current frame.
 class Renderer::Rendering {

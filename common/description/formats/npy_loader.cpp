@@ -23,9 +23,9 @@ struct Header {
   size_t data_begin = 0;
 };
 
-class HeaderReader {
+class NpyHeaderReader {
  public:
-  HeaderReader(std::string_view bytes, const std::string& path) : bytes_(bytes), path_(path) {}
+  NpyHeaderReader(std::string_view bytes, const std::string& path) : bytes_(bytes), path_(path) {}
 
   Header read() {
     if (!bytes_.starts_with("\x93NUMPY") || bytes_.size() < 10) fail("it is no array that numpy.save wrote");
@@ -91,7 +91,7 @@ struct NpyType {
   double (*read)(const char*);
   double scale;
 };
-constexpr NpyType kTypes[] = {
+constexpr NpyType kNpyTypes[] = {
     {"|u1", 1, number_at<uint8_t>, 255},
     {"<u2", 2, number_at<uint16_t>, 65535},
     {"<f2", 2,
@@ -104,11 +104,11 @@ constexpr NpyType kTypes[] = {
 
 ArrayValues load_npy(const std::string& path, uint64_t most_cells, const std::stop_token& stop) {
   const std::string bytes = read_file(path, limits::kFileBytes, stop);
-  HeaderReader reader(bytes, path);
+  NpyHeaderReader reader(bytes, path);
   const Header header = reader.read();
-  const auto* const type = std::find_if(std::begin(kTypes), std::end(kTypes),
+  const auto* const type = std::find_if(std::begin(kNpyTypes), std::end(kNpyTypes),
                                         [&](const NpyType& t) { return t.name == header.type; });
-  if (type == std::end(kTypes))
+  if (type == std::end(kNpyTypes))
     reader.fail(fmt::format("its numbers are of the type '{}'; save them as float32 or uint8", header.type));
   const std::vector<uint64_t>& shape = header.shape;
   if (shape.size() < 2 || shape.size() > 4 || (shape.size() == 4 && shape[3] != 3))

@@ -1,5 +1,6 @@
 #include "common/lighting/zones/form_factors.h"
 
+#include "common/lighting/pulse.h"
 #include "common/lighting/zones/lit_surface.h"
 #include "common/lighting/zones/zone_directions.h"
 
@@ -8,9 +9,6 @@ namespace {
 
 /// Fewer rays tell too little of what a zone sees.
 constexpr uint64_t kLeastRays = 64;
-
-/// Between calls of `pulse`.
-constexpr uint64_t kRaysPerPulse = 64;
 
 /// A place in the middle of a cell; triangles are warped so that it is where the medians meet.
 Vec2 middle_of(const ZoneGrid& grid) {

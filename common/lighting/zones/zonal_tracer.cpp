@@ -1,6 +1,7 @@
 // A node's part of progressive refinement.
 #include <numeric>
 
+#include "common/lighting/pulse.h"
 #include "common/lighting/zones/measured_light.h"
 #include "common/lighting/zones/power_rays.h"
 #include "common/lighting/zones/shooting.h"
@@ -11,9 +12,6 @@ namespace {
 
 /// More than are ever asked for.
 constexpr double kMostRaysOfSender = 0x1p32;
-
-/// Between calls of `pulse`.
-constexpr uint64_t kRaysPerPulse = 64;
 
 class ZonalTracer : public ZoneTracer {
  public:
