@@ -273,7 +273,8 @@ void JournalWriter::tell(const std::string& path, const std::string& problem) {
 bool JournalWriter::is_whole(const std::string& path) {
   const std::lock_guard lock(mutex_);
   const auto file = files_.find(path);
-  return file != files_.end() && !file->second.is_broken && !file->second.has_gaps;
+  if (file == files_.end() || file->second.has_gaps) return false;
+  return !file->second.is_broken || file->second.is_left;
 }
 
 bool JournalWriter::has_work() const {

@@ -55,11 +55,12 @@ struct Sights {
 };
 
 const std::string kWhite = "materials: {wall: {lambertian: 0.7}}\nscene:\n";
-const std::string kFloor = "  - {material: wall, polygon: {points: [[0,0,0],[1,0,0],[1,1,0],[0,1,0]]}}\n";
+const std::string kFloorOfFactors =
+    "  - {material: wall, polygon: {points: [[0,0,0],[1,0,0],[1,1,0],[0,1,0]]}}\n";
 const std::string kAligned =
-    kWhite + kFloor + "  - {material: wall, polygon: {points: [[0,0,1],[0,1,1],[1,1,1],[1,0,1]]}}\n";
+    kWhite + kFloorOfFactors + "  - {material: wall, polygon: {points: [[0,0,1],[0,1,1],[1,1,1],[1,0,1]]}}\n";
 const std::string kPerpendicular =
-    kWhite + kFloor + "  - {material: wall, polygon: {points: [[0,0,0],[0,1,0],[0,1,1],[0,0,1]]}}\n";
+    kWhite + kFloorOfFactors + "  - {material: wall, polygon: {points: [[0,0,0],[0,1,0],[0,1,1],[0,0,1]]}}\n";
 
 // Of unit squares, in closed form: 0.199825 aligned at distance 1, 0.200044 with a common edge.
 
