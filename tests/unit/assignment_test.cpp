@@ -291,7 +291,6 @@ TEST(OnDemand, WhatIsReleasedTakesNoMemory) {
   options.steps = 200;
   options.items_per_step = 10'000;
   options.window_steps = 1;
-  options.held_per_node = 5'000;
   const size_t before = mallinfo2().uordblks;
   Player player(options);
   for (StepIndex step; step.value() < options.steps; ++step) {
