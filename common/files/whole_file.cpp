@@ -165,13 +165,17 @@ void WholeFile::commit() {
   if (error) fail(error.message());
   temporary_.clear();
   // Who was about to end when this one began has ended by now.
-  remove_stale(folder_of(path_), beginning_for(path_));
+  remove_stale_files(path_);
 }
 
 void write_whole_file(const std::string& path, const std::function<void(std::FILE* file)>& write) {
   WholeFile file(path);
   file.write(write);
   file.commit();
+}
+
+void remove_stale_files(const std::string& path) {
+  remove_stale(folder_of(path), beginning_for(path));
 }
 
 void remove_files_of_other_machines(const std::string& path) {
