@@ -27,6 +27,7 @@ PictureFiles::PictureFiles(const FarmHostOptions& options, JobResult& result, co
 
 void PictureFiles::begin(FrameIndex frame) {
   Frame& f = frames_[frame.place()];
+  if (f.buffer) return;
   const SubpolygonGrid& grid = options_.plan.pictures.grid;
   f.buffer = std::make_unique<FrameBuffer>(options_.image.window, options_.image.layout.bytes, grid,
                                            options_.frame_bytes);
@@ -34,8 +35,7 @@ void PictureFiles::begin(FrameIndex frame) {
 }
 
 SubpolygonId PictureFiles::end_of_room(FrameIndex frame) const {
-  const Frame& f = frames_[frame.place()];
-  return f.buffer ? f.buffer->end_of_room() : SubpolygonId();
+  return frames_[frame.place()].buffer->end_of_room();
 }
 
 bool PictureFiles::comes_to_have_room(FrameIndex frame, SubpolygonId subpolygon,

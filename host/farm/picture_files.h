@@ -19,10 +19,10 @@ class PictureFiles {
  public:
   PictureFiles(const FarmHostOptions& options, JobResult& result, const Tell& tell);
 
-  bool has_begun(FrameIndex frame) const { return frames_[frame.place()].buffer != nullptr; }
+  /// The frame has a buffer from now on, if it has none.
   void begin(FrameIndex frame);
 
-  /// Subpolygons of a frame before this one have room.
+  /// Subpolygons of a frame that has begun, before this one, have room.
   SubpolygonId end_of_room(FrameIndex frame) const;
   /// The same of one of them, after waiting for the disk, if that would make room and the user does not
   /// interrupt. `turn` is called while it waits.

@@ -61,7 +61,7 @@ PhaseWork PicturesHost::work() {
 ItemIndex PicturesHost::end_of_room() {
   if (room_step_.value() == pictures().steps()) return ItemIndex(std::numeric_limits<int64_t>::max());
   const FrameIndex frame = of_job(room_step_);
-  if (!files_.has_begun(frame)) files_.begin(frame);
+  files_.begin(frame);
   return pictures().item_of(room_step_, files_.end_of_room(frame));
 }
 
@@ -202,7 +202,7 @@ bool PicturesHost::keep_result(NodeId node, const BlockResult& result, size_t by
     return false;
   }
   const FrameIndex frame = index_of_frame_.at(report.frame);
-  if (!files_.has_begun(frame)) files_.begin(frame);
+  files_.begin(frame);
   if (!has_journal_[frame.place()]) {
     has_journal_[frame.place()] = true;
     JournalLines lines = options_.journals.lines;

@@ -12,7 +12,7 @@ namespace rayfarm {
 
 void PicturesHost::resume(FrameIndex frame, const JournalHead& head) {
   const std::string path = journal_of(options_.files[frame.place()]);
-  if (!files_.has_begun(frame)) files_.begin(frame);
+  files_.begin(frame);
   const ItemIndex first = first_item_of(frame);
   std::vector<bool>& has_come = resumed_[frame];
   has_come.resize(static_cast<size_t>(pictures().items_per_step()) * static_cast<size_t>(pictures().passes));
