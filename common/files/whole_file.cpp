@@ -10,8 +10,11 @@
 #include <climits>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <optional>
 #include <random>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -85,10 +88,6 @@ void remove_files(const std::filesystem::path& folder, IsWanted is_wanted) {
     if (is_wanted(entry->path().filename().string())) std::filesystem::remove(entry->path(), ignored);
 }
 
-void remove_stale(const std::filesystem::path& folder, const std::string& beginning) {
-  remove_files(folder, [&](const std::string& name) { return is_stale(name, beginning); });
-}
-
 std::filesystem::path folder_of(const std::filesystem::path& target) {
   return target.has_parent_path() ? target.parent_path() : ".";
 }
@@ -107,7 +106,7 @@ WholeFile::WholeFile(const std::string& path) : path_(path) {
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
     fail("what stands there is not a regular file");
   const std::string beginning = beginning_for(target);
-  remove_stale(folder, beginning);
+  remove_stale_files(std::span(&path, 1));
   static std::atomic<unsigned> counter{0};
   const std::string name =
       fmt::format("{}{}.{}{:x}{}", beginning, getpid(), token(), counter.fetch_add(1), kEnding);
@@ -164,8 +163,6 @@ void WholeFile::commit() {
   std::filesystem::rename(temporary_, path_, error);
   if (error) fail(error.message());
   temporary_.clear();
-  // Who was about to end when this one began has ended by now.
-  remove_stale_files(path_);
 }
 
 void write_whole_file(const std::string& path, const std::function<void(std::FILE* file)>& write) {
@@ -174,8 +171,14 @@ void write_whole_file(const std::string& path, const std::function<void(std::FIL
   file.commit();
 }
 
-void remove_stale_files(const std::string& path) {
-  remove_stale(folder_of(path), beginning_for(path));
+void remove_stale_files(std::span<const std::string> paths) {
+  std::map<std::filesystem::path, std::set<std::string>> beginnings;
+  for (const std::string& path : paths) beginnings[folder_of(path)].insert(beginning_for(path));
+  for (const auto& [folder, of_files] : beginnings)
+    remove_files(folder, [&files = of_files](const std::string& name) {
+      const auto next = files.upper_bound(name);  // what a name begins with stands before it
+      return next != files.begin() && is_stale(name, *std::prev(next));
+    });
 }
 
 void remove_files_of_other_machines(const std::string& path) {

@@ -3,6 +3,7 @@
 // A file in the making is `.NAME.HOST.PROCESS.RANDOM.part`; it is created exclusively, so that no link that
 // somebody left there is followed.
 #include <functional>
+#include <span>
 #include <string>
 
 #include "common/files/regular_file.h"
@@ -39,8 +40,9 @@ class WholeFile {
 /// IoError with what went wrong, what `write` threw included; nothing is left behind then.
 void write_whole_file(const std::string& path, const std::function<void(std::FILE* file)>& write);
 
-/// Removes files in the making of this name whose processes on this machine have ended.
-void remove_stale_files(const std::string& path);
+/// Removes files in the making of these names whose processes on this machine have ended. Each folder is
+/// looked through once.
+void remove_stale_files(std::span<const std::string> paths);
 /// Removes files in the making of this name that processes of other machines made: to be called where it is
 /// known that none of these writes it any more.
 void remove_files_of_other_machines(const std::string& path);

@@ -146,7 +146,6 @@ std::vector<std::string> adopt_journals(const PixelRect& crop, const RenderOptio
 }
 
 void remove_leftovers(const std::string& file) {
-  remove_stale_files(file);
   std::error_code ignored;
   if (is_journal(journal_of(file))) std::filesystem::remove(journal_of(file), ignored);
   if (is_preview(preview_of(file))) std::filesystem::remove(preview_of(file), ignored);

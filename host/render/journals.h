@@ -32,8 +32,7 @@ SubpolygonGrid grid_of(const JournalHead& head, const PixelRect& crop, const std
 std::vector<std::string> adopt_journals(const PixelRect& crop, const RenderOptions& options,
                                         FarmHostOptions& job);
 
-/// Removes what a run that was ended left beside the file: a journal, a preview and what it was writing,
-/// nobody else's files.
+/// Removes what a run that was ended left beside the file: a journal and a preview, nobody else's files.
 void remove_leftovers(const std::string& file);
 
 }  // namespace rayfarm

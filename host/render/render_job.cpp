@@ -8,6 +8,7 @@
 #include <csignal>
 #include <filesystem>
 
+#include "common/files/whole_file.h"
 #include "common/scene/camera.h"
 #include "host/bake/bake.h"
 #include "host/farm/dismissal.h"
@@ -330,11 +331,14 @@ class Render {
       say("{}", format_zones_report(result_, baked_.empty() ? "nothing" : baked_));
     else if (!options_.is_quiet)
       say("{}", options_.is_full_report ? format_full_report(result_, meter) : format_report(result_, meter));
+    std::vector<std::string> written;
     for (const FrameResult& frame : result_.frames) {
       if (!frame.is_written) continue;
+      written.push_back(frame.file);
       std::fprintf(stdout, "%s\n", frame.file.c_str());
       if (options_.resume) remove_leftovers(frame.file);
     }
+    remove_stale_files(written);  // of jobs that were about to end when this one began
     bool is_told = flush_results() && !is_zones_file_missing_;
     try {
       if (!options_.stats.empty())
